@@ -28,6 +28,9 @@
 layout(local_size_x = PEL_GROUP_LINE) in;
 layout(binding = PEL_UNIT_TRANSMITTANCE) uniform sampler2D transmittance;
 layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
+#ifdef PEL_UNDER
+#include "lib/underlight.glsl"
+#endif
 layout(std430, binding = PEL_STORE_EXPOSURE) writeonly buffer out_block {
     vec4 out_exposure;
     vec4 out_exposing;
@@ -73,6 +76,14 @@ vec3 mean_sea(vec3 dir)
     return (parts.sun + parts.sky + parts.water) * through + air;
 }
 
+#ifdef PEL_UNDER
+// How far the lens is in the water.
+float wet_lens()
+{
+    return under_lens.x > 0.5 ? smoothstep(-1.0, 1.0, under_eye.y / PEL_UNDER_DOME) : 1.0;
+}
+#endif
+
 vec3 seen(vec3 dir)
 {
     float angle = angle_above_horizon(dir);
@@ -83,7 +94,12 @@ vec3 seen(vec3 dir)
 #else
     vec3 light = angle < 0.0 ? mean_sea(dir) : sky_light(eye_table, dir.xy, angle);
 #endif
-    return from_under_water(light, dir.z);
+#ifdef PEL_UNDER
+    float line = under_eye.y / PEL_UNDER_DOME - dir.z + dot(under_eye.zw, dir.xy);
+    float wet = under_lens.x > 0.5 ? smoothstep(-0.05, 0.05, line) : 1.0;
+    light = mix(light, under_level_seen(reflection_map, dir, under_depth()), wet);
+#endif
+    return light;
 }
 #endif
 
@@ -126,7 +142,10 @@ float meter_mean(float mean, float level)
 {
     float matt = log2(PEL_METER_MATT * max(level, 1e-6));
     float day = clamp(log2(max(level, 1e-6) / PEL_METER_DULL) / 3.0, 0.0, 1.0);
-    return lut.y > 0.5 ? mean : mix(mean, matt, PEL_METER_INCIDENT * day);
+#ifdef PEL_UNDER
+    day *= 1.0 - wet_lens();
+#endif
+    return mix(mean, matt, PEL_METER_INCIDENT * day);
 }
 
 // Twin of pel_meter_ev, of an eye pel_vision_ev.
@@ -183,7 +202,10 @@ pel_shader_glare glare_of(int i)
 #ifdef PEL_FOG
     direct *= exp(-fog_to_light(vec3(0.0, 0.0, eye.x), i, to.xyz));
 #endif
-    float share = lut.y > 0.5 ? 0.0 : meter.w;
+    float share = meter.w;
+#ifdef PEL_UNDER
+    share *= 1.0 - wet_lens();
+#endif
     return pel_shader_glare(vec4(to.xyz, 0.5 * to.w * to.w), vec4(direct * (share * centre), share));
 }
 

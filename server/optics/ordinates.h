@@ -94,6 +94,25 @@ PEL_CHECK enum pel_err pel_ordinates_moments(struct pel_ordinates *o,
                                              const double *depths, int count,
                                              double *out);
 
+/* Light in the water of sunbeams of zenith cosines mu (as of
+ * pel_ordinates_respond), met with at several depths (each at most the
+ * medium's) in directions of zenith cosine view_mu > 0 upwards and as many
+ * downwards, 1..PEL_ORDINATES_VIEWS. What the water sends alone: the solution
+ * of the transfer equation along each line that is 0 where the line enters the
+ * water, at the surface or the bottom. Of any line of sight the water between a
+ * place and a place s metres farther adds L(here) - e^(-c s) L(there), with
+ * the scaled extinction c. Modes Σ_m r_m cos mφ of what was scattered twice and
+ * more, many[levels][modes][beams][2][views], and of what was scattered
+ * once as the solver has it, once[…] alike; [0]: seen looking up, [1]: looking
+ * down. Azimuth 0 looks towards the Sun. Irradiance of level planes, the
+ * unscattered beam left out, flux[levels][beams][2] from above and from below.
+ * NO_MEMORY. */
+PEL_CHECK enum pel_err
+pel_ordinates_inside(struct pel_ordinates *o, const struct pel_medium *medium,
+                     const double *mu, int beams, const double *depths,
+                     int levels, const double *view_mu, int views, int modes,
+                     double *many, double *once, double *flux);
+
 /* The scaled extinction of a medium [1/m]: the forward peak that the solver
  * takes as not scattered left out. */
 double pel_ordinates_extinction(struct pel_ordinates *o,

@@ -76,6 +76,15 @@ void pel_ordinates_boundary(struct pel_ordinates *o,
                             const struct pel_ordinates_problem *p,
                             double albedo);
 
+/* Right side of these for one beam of irradiance 1 and no sky; total_s,
+ * total_d: half the sum and half the difference that its particular solution
+ * makes at each node, rate as of pel_ordinates_leave_resonance. */
+void pel_ordinates_beam_right(const struct pel_ordinates *o,
+                              const struct pel_ordinates_problem *p,
+                              double albedo, double mu, double rate,
+                              const double *total_s, const double *total_d,
+                              double *right);
+
 /* ∫₀^τ e^(−k(τ−t)) e^(−t/μ) dt/μ. */
 double pel_ordinates_from_below(double k, double mu, double tau);
 

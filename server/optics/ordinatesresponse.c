@@ -87,16 +87,16 @@ static void respond_views(struct pel_ordinates *o,
     }
 }
 
-/* Right side for one beam, as boundary_right without a sky. */
-static void respond_right(const struct pel_ordinates *o,
-                          const struct pel_ordinates_problem *p, double albedo,
-                          double mu, const struct response *from, int beam,
-                          double *right)
+void pel_ordinates_beam_right(const struct pel_ordinates *o,
+                              const struct pel_ordinates_problem *p,
+                              double albedo, double mu, double rate,
+                              const double *total_s, const double *total_d,
+                              double *right)
 {
     int n = o->n;
-    double e = exp(-from->rate[beam] * p->tau), down = 0.0;
+    double e = exp(-rate * p->tau), down = 0.0;
     for (int i = 0; i < n; i++) {
-        double s = from->total_s[beam][i], d = from->total_d[beam][i];
+        double s = total_s[i], d = total_d[i];
         double r = o->reflected[i];
         right[i] = -((1.0 - r) * s - (1.0 + r) * d);
         right[n + i] = -e * (s + d);
@@ -108,6 +108,15 @@ static void respond_right(const struct pel_ordinates *o,
             right[n + i] += albedo * down;
         }
     }
+}
+
+static void respond_right(const struct pel_ordinates *o,
+                          const struct pel_ordinates_problem *p, double albedo,
+                          double mu, const struct response *from, int beam,
+                          double *right)
+{
+    pel_ordinates_beam_right(o, p, albedo, mu, from->rate[beam],
+                             from->total_s[beam], from->total_d[beam], right);
 }
 
 /* What a bottom, equally bright everywhere, sends up. */

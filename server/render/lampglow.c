@@ -309,7 +309,7 @@ void pel_lamp_glow_bind(struct pel_lamp_glow *g,
     struct pel_glow_candidate *glows = g->glows;
     const struct pel_vec3 eye = { c->east_m, c->north_m,
                                   c->altitude_m + env->sea_level_m };
-    double height_m = fmax(c->altitude_m, PEL_LEAST_EYE_M), m[9], inverse[9];
+    double height_m = c->altitude_m, m[9], inverse[9];
     size_t count = choose(env, eye, glows);
     pel_lights_colours(env->lights, env->lit, env->night.on, m);
     pel_lamp_inverse(m, inverse);

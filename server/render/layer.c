@@ -76,7 +76,7 @@ void pel_picture_position(const struct pel_picture *picture,
     pel_fill_view(camera, &filter, &view);
     double east, north;
     pel_picture_position_origin(camera, &east, &north);
-    double eye = fmax(camera->altitude_m - sea_level_m, PEL_LEAST_EYE_M);
+    double eye = camera->altitude_m - sea_level_m;
     const bool high = pel_space_is(env, eye);
     struct pel_space_geometry g = { 0 };
     if (high) {

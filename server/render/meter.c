@@ -1,5 +1,7 @@
 #include "render/meter.h"
 
+#include <stdio.h>
+
 #include "render/programs.h"
 #include "render/shader.h"
 #include "shaders/lib/blocks.h"
@@ -13,20 +15,23 @@ void pel_meter_init(struct pel_meter *m)
 }
 
 enum pel_err pel_meter_need(struct pel_meter *m,
-                            const struct pel_environment *env,
+                            const struct pel_environment *env, bool under,
                             const char *shader_dir, struct pel_fault *fault)
 {
-    GLuint *program = &m->program[pel_light_program(env)];
+    GLuint *program = &m->program[under][pel_light_program(env)];
+    char defines[32 + PEL_LIGHT_TEXT];
+    snprintf(defines, sizeof defines, "%s%s", pel_light_program_defines(env),
+             under ? "#define PEL_UNDER\n" : "");
     return *program ? PEL_OK
                     : pel_program_create(shader_dir, "meter.comp", NULL,
-                                         pel_light_program_defines(env),
-                                         program, fault);
+                                         defines, program, fault);
 }
 
 void pel_meter_finish(struct pel_meter *m)
 {
     for (int i = 0; i < PEL_LIGHT_PROGRAMS; i++) {
-        glDeleteProgram(m->program[i]);
+        glDeleteProgram(m->program[0][i]);
+        glDeleteProgram(m->program[1][i]);
     }
     glDeleteBuffers(1, &m->exposure);
     *m = (struct pel_meter){ 0 };
@@ -41,7 +46,8 @@ void pel_meter_use(struct pel_meter *m, GLuint program)
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_EXPOSURE, m->exposure);
 }
 
-void pel_meter_run(struct pel_meter *m, const struct pel_environment *env)
+void pel_meter_run(struct pel_meter *m, const struct pel_environment *env,
+                   bool under)
 {
-    pel_meter_use(m, m->program[pel_light_program(env)]);
+    pel_meter_use(m, m->program[under][pel_light_program(env)]);
 }

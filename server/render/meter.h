@@ -9,20 +9,23 @@
 #include "shaders/lib/blocks.h"
 
 struct pel_meter {
-    GLuint program[PEL_LIGHT_PROGRAMS]; /* pel_light_program */
-    GLuint exposure;                    /* buffer, block `exposure` */
+    /* In the air, under water; pel_light_program. */
+    GLuint program[2][PEL_LIGHT_PROGRAMS];
+    GLuint exposure; /* buffer, block `exposure` */
 };
 
 void pel_meter_init(struct pel_meter *m);
-/* Makes the program for these lights. GPU. */
+/* Makes the program for these lights; `under`: for a lens that water may reach.
+ * GPU. */
 PEL_CHECK enum pel_err pel_meter_need(struct pel_meter *m,
                                       const struct pel_environment *env,
-                                      const char *shader_dir,
+                                      bool under, const char *shader_dir,
                                       struct pel_fault *fault);
 void pel_meter_finish(struct pel_meter *m);
 
 /* Fills and binds the block `exposure`. The blocks frame, eye, light, windows
- * and the tables of the eye are bound. */
-void pel_meter_run(struct pel_meter *m, const struct pel_environment *env);
+ * and the tables of the eye are bound, and what pel_under_map_bind binds. */
+void pel_meter_run(struct pel_meter *m, const struct pel_environment *env,
+                   bool under);
 /* The same by another program of meter.comp. */
 void pel_meter_use(struct pel_meter *m, GLuint program);

@@ -265,8 +265,7 @@ static double pixels_of(const struct pel_environment *env,
 {
     double pitch = fmin(pel_pixel_pitch(c->tan_left, c->tan_right, c->width),
                         pel_pixel_pitch(c->tan_bottom, c->tan_top, c->height));
-    double away =
-        away_from(env, object, c, fmax(c->altitude_m, PEL_LEAST_EYE_M));
+    double away = away_from(env, object, c, c->altitude_m);
     return away > FARTHEST_M ? 0 : 1.0 / (fmax(away, 1.0) * pitch);
 }
 
@@ -529,7 +528,7 @@ static void plan_levels(struct pel_object_drawn *d,
 bool pel_objects_plan(struct pel_objects *o, const struct pel_environment *env,
                       const struct pel_camera *c, uint32_t *tiles)
 {
-    double eye_m = fmax(c->altitude_m, PEL_LEAST_EYE_M);
+    double eye_m = c->altitude_m;
     double px[PEL_MAX_ENTITIES];
     bool any = false;
     int others = PEL_OBJECT_SHADOWS;

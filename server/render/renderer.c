@@ -130,6 +130,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_lamp_map_finish(&r->lamps);
         pel_lamp_glow_finish(&r->glows);
         pel_acuity_finish(&r->acuity);
+        pel_under_map_finish(&r->under);
         pel_wake_map_finish(&r->wakes);
         pel_shore_map_finish(&r->shore);
         glDeleteBuffers(1, &r->vertices);
@@ -158,7 +159,7 @@ static void bind_table_eye(void *user, double height_m)
 {
     struct pel_renderer *r = user;
     struct pel_block_eye block;
-    pel_fill_eye(height_m, height_m, false, NULL, &block);
+    pel_fill_eye(height_m, height_m, NULL, &block);
     if (r->env) {
         pel_fill_cloud_eye(r->env, r->env->clouds_x_m, r->env->clouds_y_m,
                            &block);
@@ -229,7 +230,33 @@ static enum pel_err need_light(struct pel_renderer *r,
     if (err == PEL_OK) {
         err = pel_cloud_map_need(&r->clouds, env, r->shader_dir, fault);
     }
-    return err ? err : pel_meter_need(&r->meter, env, r->shader_dir, fault);
+    return err ? err
+               : pel_meter_need(&r->meter, env, false, r->shader_dir, fault);
+}
+
+/* What an eye that water may reach wants more. */
+static enum pel_err need_under(struct pel_renderer *r,
+                               const struct pel_environment *env,
+                               unsigned layers, struct pel_fault *fault)
+{
+    enum pel_err err =
+        pel_meter_need(&r->meter, env, true, r->shader_dir, fault);
+    if (err == PEL_OK) {
+        err = pel_under_map_need(&r->under, env, &r->programs, PEL_SHADE_LIGHT,
+                                 fault);
+    }
+    struct pel_pass pass = pel_pass_first(layers, false);
+    do {
+        if (err == PEL_OK) {
+            err = pel_under_map_need(&r->under, env, &r->programs, pass.kind,
+                                     fault);
+        }
+        if (err == PEL_OK && env->object_count) {
+            err = pel_objects_need(&r->objects, env, &r->programs, pass.kind,
+                                   fault);
+        }
+    } while (err == PEL_OK && pel_pass_next(&pass, false));
+    return err;
 }
 
 static enum pel_err need_low(struct pel_renderer *r,
@@ -291,10 +318,13 @@ static enum pel_err need_view(struct pel_renderer *r,
                               struct pel_fault *fault)
 {
     double height_m = eye_height(env, draw), meter_m = meter_height(env, draw);
-    const unsigned layers =
-        pel_view_at_once(env, draw, pel_view_layers(r, env, draw));
-    r->programs.above =
-        pel_view_above_clouds(env, draw->camera.altitude_m - env->sea_level_m);
+    struct pel_camera here = draw->camera;
+    here.altitude_m -= env->sea_level_m;
+    const struct pel_lens_place lens = pel_lens_place(env, &here);
+    const bool under = pel_lens_under(&lens);
+    const unsigned all = pel_view_layers(r, env, draw, under);
+    const unsigned layers = pel_view_at_once(env, draw, all, under);
+    r->programs.above = pel_view_above_clouds(env, here.altitude_m);
     enum pel_err err =
         pel_space_is(env, height_m)
             ? pel_space_need_view(r, env, height_m, layers, fault)
@@ -311,13 +341,14 @@ static enum pel_err need_view(struct pel_renderer *r,
     if (err == PEL_OK && pel_acuity_border(env, &draw->camera, draw->layers)) {
         err = pel_acuity_need(&r->acuity, r->shader_dir, fault);
     }
-    if (err == PEL_OK &&
-        pel_fall_map_shows(env, pel_view_layers(r, env, draw))) {
+    if (err == PEL_OK && pel_fall_map_shows(env, all)) {
         err = pel_fall_map_need(&r->falls, env, r->shader_dir, fault);
     }
-    if (err == PEL_OK &&
-        pel_pane_map_shows(&draw->camera, pel_view_layers(r, env, draw))) {
+    if (err == PEL_OK && pel_pane_map_shows(&draw->camera, all)) {
         err = pel_pane_map_need(&r->panes, env, r->shader_dir, fault);
+    }
+    if (err == PEL_OK && under) {
+        err = need_under(r, env, layers, fault);
     }
     return err == PEL_OK && pel_view_edges(r, &draw->camera)
                ? pel_programs_need_edges(&r->programs, fault)
@@ -503,7 +534,7 @@ enum pel_err pel_renderer_probe(struct pel_renderer *r,
     pel_sky_update(&r->sky, &here, bind_table_eye, r);
     double table_height_m = pel_sky_quantize_height(probe->height_m);
     struct pel_block_eye eye;
-    pel_fill_eye(probe->height_m, table_height_m, false, NULL, &eye);
+    pel_fill_eye(probe->height_m, table_height_m, NULL, &eye);
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, &eye,
                    sizeof eye);
     pel_sky_bind_eye(&r->sky, &here, table_height_m);

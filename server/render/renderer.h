@@ -189,7 +189,8 @@ struct pel_picture *pel_renderer_collect(struct pel_renderer *r,
  * altitude 0, as their answers. *env: what it was drawn in. So a float
  * is good to 4 mm within 65 km of the camera, wherever that is. Any thread. */
 #define PEL_POSITION_STEP_M 131072.0
-#define PEL_LEAST_EYE_M 0.3 /* no eye is drawn lower above the mean sea */
+/* Height of eyes below which some plans of pictures do not go. */
+#define PEL_LEAST_EYE_M 0.3
 void pel_picture_position(const struct pel_picture *picture,
                           const struct pel_camera *camera,
                           const struct pel_environment *env, float *xyz);

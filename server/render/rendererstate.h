@@ -31,6 +31,7 @@
 #include "render/targets.h"
 #include "render/texels.h"
 #include "render/tiles.h"
+#include "render/undermap.h"
 #include "render/wakemap.h"
 #include "render/waterprobe.h"
 #include "render/wavefield.h"
@@ -46,6 +47,7 @@ struct pel_renderer {
     struct pel_lamp_map lamps;
     struct pel_lamp_glow glows;
     struct pel_acuity acuity;
+    struct pel_under_map under;
     bool lost;
     struct pel_filtering filtering;
     struct pel_filter filter; /* its bounds */

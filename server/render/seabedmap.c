@@ -245,11 +245,6 @@ void pel_fill_seabed(const struct pel_environment *env,
         turned[i] = all ? turned[i] : 0.0;
     }
     *out = (struct pel_block_seabed){
-        .bed_place = vec4((east_m - bed->west_m) / bed->spacing_m,
-                          (north_m - bed->south_m) / bed->spacing_m,
-                          1.0 / bed->spacing_m, bed->spacing_m),
-        .bed_size = vec4(bed->columns, bed->rows,
-                         bed->highest_m - env->sea_level_m, -env->sea_level_m),
         /* Two standard deviations: what one crest in forty reaches. */
         .bed_beyond = vec4(-w->depth_m - env->sea_level_m,
                            0.05 + 2.0 * sqrt(env->sea->m0), map->squares.levels,
@@ -270,6 +265,14 @@ void pel_fill_seabed(const struct pel_environment *env,
     for (int i = 0; i < env->lit; i++) {
         fill_light(env->lights[i].direction.z, beams[i], map, left, i, out);
     }
+    if (!bed) {
+        return;
+    }
+    out->bed_place = vec4((east_m - bed->west_m) / bed->spacing_m,
+                          (north_m - bed->south_m) / bed->spacing_m,
+                          1.0 / bed->spacing_m, bed->spacing_m);
+    out->bed_size = vec4(bed->columns, bed->rows,
+                         bed->highest_m - env->sea_level_m, -env->sea_level_m);
     for (int i = 0; i < map->squares.levels; i++) {
         out->bed_level[i] =
             vec4((double)map->squares.first[i], map->squares.columns[i],

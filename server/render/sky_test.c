@@ -23,7 +23,7 @@ static void bind_eye(void *user, double height_m)
 {
     struct pel_block_eye eye;
     (void)user;
-    pel_fill_eye(height_m, height_m, false, NULL, &eye);
+    pel_fill_eye(height_m, height_m, NULL, &eye);
     glNamedBufferSubData(eye_buffer, 0, sizeof eye, &eye);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, eye_buffer);
 }

@@ -172,7 +172,7 @@ static void bind_table_eye(void *user, double height_m)
 {
     struct pel_space_map *m = user;
     struct pel_block_eye block;
-    pel_fill_eye(height_m, height_m, false, NULL, &block);
+    pel_fill_eye(height_m, height_m, NULL, &block);
     glNamedBufferSubData(m->eye, 0, sizeof block, &block);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_EYE, m->eye);
 }

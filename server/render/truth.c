@@ -34,7 +34,7 @@ static struct looker looker_of(const struct pel_picture *picture,
     pel_fill_view(camera, &filter, &view);
     return (struct looker){
         .camera = camera,
-        .eye_m = fmax(camera->altitude_m - env->sea_level_m, PEL_LEAST_EYE_M),
+        .eye_m = camera->altitude_m - env->sea_level_m,
         .sea_level_m = env->sea_level_m,
         .pitch_x = (double)view.pixel.x,
         .pitch_y = (double)view.pixel.y,

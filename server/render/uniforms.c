@@ -267,14 +267,15 @@ void pel_fill_spray(const struct pel_foam *foam, double height_m,
     }
 }
 
-void pel_fill_eye(double height_m, double table_height_m, bool submerged,
+void pel_fill_eye(double height_m, double table_height_m,
                   const struct pel_mesh *mesh, struct pel_block_eye *out)
 {
-    double dip = acos(PEL_EARTH_RADIUS / (PEL_EARTH_RADIUS + height_m));
+    double above = fmax(height_m, 0.0);
+    double dip = acos(PEL_EARTH_RADIUS / (PEL_EARTH_RADIUS + above));
     *out = (struct pel_block_eye){
         .eye = vec4(height_m, dip, mesh ? mesh->column_rad : 0.0,
                     mesh ? mesh->columns_around : 1.0),
-        .lut = vec4(table_height_m, submerged ? 1.0 : 0.0, 0.0, 0.0),
+        .lut = vec4(table_height_m, 0.0, 0.0, 0.0),
     };
 }
 

@@ -14,7 +14,7 @@ struct pel_vec4 pel_water_levels(const struct pel_environment *env,
 void pel_fill_frame(const struct pel_environment *env,
                     struct pel_block_frame *out);
 
-void pel_fill_eye(double height_m, double table_height_m, bool submerged,
+void pel_fill_eye(double height_m, double table_height_m,
                   const struct pel_mesh *mesh, struct pel_block_eye *out);
 
 /* Phases at the nadir of (east_m, north_m) at env->time_s. */

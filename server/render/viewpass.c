@@ -31,7 +31,7 @@ struct view {
     struct pel_camera whole, wide, part; /* with border; and margin; its band */
     struct pel_band band;
     double height_m, table_height_m; /* of the eye, and of its light's tables */
-    bool submerged;
+    struct pel_lens_place lens;
     bool high; /* it has the form of render/spacemap.h */
     const struct pel_sea_programs *programs;
     struct pel_block_view block;
@@ -59,48 +59,37 @@ bool pel_view_edges(const struct pel_renderer *r, const struct pel_camera *c)
 /* Drops and the eye's loss of detail come between light and colour
  * everywhere. */
 static bool is_toned_last(const struct pel_environment *env,
-                          const struct pel_draw *draw, unsigned layers)
+                          const struct pel_draw *draw, unsigned layers,
+                          bool under)
 {
-    return pel_fall_map_shows(env, layers) ||
+    return under || pel_fall_map_shows(env, layers) ||
            pel_pane_map_shows(&draw->camera, layers) ||
            pel_acuity_border(env, &draw->camera, draw->layers) > 0;
 }
 
 unsigned pel_view_layers(const struct pel_renderer *r,
                          const struct pel_environment *env,
-                         const struct pel_draw *draw)
+                         const struct pel_draw *draw, bool under)
 {
     unsigned layers = pel_sensing_layers(&draw->camera, draw->layers);
     bool mixed = pel_view_edges(r, &draw->camera) ||
                  (env->object_count && !r->programs.compute) ||
-                 is_toned_last(env, draw, layers);
+                 is_toned_last(env, draw, layers, under);
     return mixed ? layers | PEL_LAYER_RADIANCE : layers;
 }
 
 unsigned pel_view_at_once(const struct pel_environment *env,
-                          const struct pel_draw *draw, unsigned asked)
+                          const struct pel_draw *draw, unsigned asked,
+                          bool under)
 {
-    return is_toned_last(env, draw, asked) ? asked & ~(unsigned)PEL_LAYER_COLOR
-                                           : asked;
+    return is_toned_last(env, draw, asked, under)
+               ? asked & ~(unsigned)PEL_LAYER_COLOR
+               : asked;
 }
 
 bool pel_view_above_clouds(const struct pel_environment *env, double altitude_m)
 {
     return env->clouds.cover > 0 && altitude_m > env->clouds.base_m;
-}
-
-/* Asked only where waves may reach the eye: the answer of an FFT sea costs its
- * transforms on the processor. */
-static bool is_submerged(const struct pel_environment *env,
-                         const struct pel_camera *c)
-{
-    if (c->altitude_m >
-        fmin(env->sea->max_height_m, 6.0 * sqrt(env->sea->m0))) {
-        return false;
-    }
-    struct pel_surface_sample above;
-    pel_sea_sample(env->sea, c->east_m, c->north_m, env->time_s, &above);
-    return above.height_m > c->altitude_m;
 }
 
 /* What decides how a pixel is drawn is planned for the whole picture. */
@@ -109,16 +98,17 @@ static void plan_pixels(struct pel_renderer *r,
 {
     const struct pel_draw *draw = v->draw;
     const int border = v->border;
-    v->asked = pel_view_layers(r, env, draw);
+    v->lens = pel_lens_place(env, &draw->camera);
+    v->asked = pel_view_layers(r, env, draw, pel_lens_under(&v->lens));
     v->whole = pel_edges_camera(&draw->camera, border);
     v->band = pel_band_of(draw);
     v->band.rows += 2 * (uint32_t)border;
     v->part = pel_band_camera(&v->whole, v->band);
-    v->height_m = fmax(v->whole.altitude_m, PEL_LEAST_EYE_M);
+    v->height_m = v->whole.altitude_m;
     v->table_height_m = pel_sky_quantize_height(v->height_m);
-    v->submerged = is_submerged(env, &v->whole);
     v->high = pel_space_is(env, v->height_m);
-    r->margin = pel_view_edges(r, &v->whole) && !v->submerged && !v->high
+    r->margin = pel_view_edges(r, &v->whole) && v->lens.state != PEL_LENS_WET &&
+                        !v->high
                     ? PEL_EDGES_MARGIN
                     : 0;
     v->wide = pel_edges_camera(&v->whole, r->margin);
@@ -129,20 +119,33 @@ static void plan_pixels(struct pel_renderer *r,
     v->block.size.y = (float)((int)v->band.rows + 2 * r->margin);
 }
 
+/* Of an eye below the surface: as its mirror image above sees it. */
+static struct pel_camera turned_over(const struct pel_camera *c)
+{
+    struct pel_camera over = *c;
+    over.world_from_camera.x.z *= -1.0;
+    over.world_from_camera.y.z *= -1.0;
+    over.world_from_camera.z.z *= -1.0;
+    return over;
+}
+
 static void plan_mesh(struct pel_renderer *r, const struct pel_environment *env,
-                      const struct view *v)
+                      const struct view *v, bool under)
 {
     const struct pel_mesh_eye eye = {
-        .height_m = v->height_m,
+        .height_m =
+            under ? fmax(fabs(v->height_m), PEL_LEAST_EYE_M) : v->height_m,
         .pixel = fmin((double)v->block.pixel.x, (double)v->block.pixel.y),
         .cell_px = r->filtering.cell_px,
         .sea = env->sea,
         .losses = &r->statistics.losses,
     };
-    pel_mesh_plan(&eye, &v->wide, r->mesh);
+    const struct pel_camera over = turned_over(&v->wide);
+    pel_mesh_plan(&eye, under ? &over : &v->wide, r->mesh);
     if (v->part.height < v->whole.height) {
         const struct pel_camera narrow = pel_edges_camera(&v->part, r->margin);
-        pel_mesh_narrow(&eye, &narrow, r->mesh);
+        const struct pel_camera other = turned_over(&narrow);
+        pel_mesh_narrow(&eye, under ? &other : &narrow, r->mesh);
     }
 }
 
@@ -186,6 +189,21 @@ static void plan_tiles(struct pel_renderer *r,
     }
 }
 
+/* Of an eye in the water: its objects alone. */
+static void plan_tiles_under(struct pel_renderer *r,
+                             const struct pel_environment *env,
+                             const struct view *v)
+{
+    memset(r->tiles, PEL_COAST_NONE, sizeof r->tiles);
+    r->any_coast = false;
+    r->still = NULL;
+    r->any_objects = env->object_count &&
+                     pel_objects_plan(&r->objects, env, &v->whole, r->tiles);
+    if (r->any_objects) {
+        pel_band_tiles(&v->whole, v->band, r->tiles);
+    }
+}
+
 /* --- what the shaders read ------------------------------------------------ */
 
 static void bind(struct pel_renderer *r, GLuint block, const void *data,
@@ -199,7 +217,9 @@ static void bind_seabed(struct pel_renderer *r,
                         const struct pel_camera *c)
 {
     struct pel_block_seabed block;
-    pel_seabed_map_bind(&r->seabed);
+    if (env->seabed) {
+        pel_seabed_map_bind(&r->seabed);
+    }
     pel_fill_seabed(env, &r->seabed, r->statistics.variance, r->sky.water.beams,
                     c->east_m, c->north_m, &block);
     bind(r, PEL_BLOCK_SEABED, &block, sizeof block);
@@ -268,9 +288,8 @@ static void fill_eye(const struct pel_renderer *r,
                      const struct pel_environment *env, struct view *v)
 {
     const struct pel_camera *c = &v->part;
-    pel_fill_eye(v->height_m, v->table_height_m, v->submerged, r->mesh,
-                 &v->eye);
-    pel_fill_spray(env->sea->foam, v->submerged ? 0.0 : v->height_m, &v->eye);
+    pel_fill_eye(v->height_m, v->table_height_m, r->mesh, &v->eye);
+    pel_fill_spray(env->sea->foam, v->height_m, &v->eye);
     if (env->sea->foam) {
         pel_fill_grain(env->sea->foam, env->wind_to_rad, c->east_m, c->north_m,
                        &v->eye);
@@ -292,14 +311,14 @@ static double meter_height(const struct pel_environment *env,
 }
 
 static void expose(struct pel_renderer *r, const struct pel_environment *env,
-                   const struct pel_camera *c, bool submerged)
+                   const struct pel_camera *c, bool under)
 {
     double height_m = meter_height(env, c);
     double table_height_m = pel_sky_quantize_height(height_m);
     struct pel_block_eye eye;
     struct pel_block_sighted sights;
-    pel_fill_eye(height_m, table_height_m, submerged, NULL, &eye);
-    pel_fill_spray(env->sea->foam, submerged ? 0.0 : height_m, &eye);
+    pel_fill_eye(height_m, table_height_m, NULL, &eye);
+    pel_fill_spray(env->sea->foam, height_m, &eye);
     pel_fill_fog(env, c->east_m, c->north_m, &eye);
     pel_fill_sights(env, c, &sights);
     pel_acuity_meter(env, c, &sights);
@@ -310,7 +329,7 @@ static void expose(struct pel_renderer *r, const struct pel_environment *env,
         return;
     }
     pel_sky_bind_eye(&r->sky, env, table_height_m);
-    pel_meter_run(&r->meter, env);
+    pel_meter_run(&r->meter, env, under);
 }
 
 static void bind_eye(struct pel_renderer *r, const struct pel_environment *env,
@@ -320,7 +339,7 @@ static void bind_eye(struct pel_renderer *r, const struct pel_environment *env,
     bind(r, PEL_BLOCK_VIEW, &v->block, sizeof v->block);
     if (v->asked & PEL_LAYER_COLOR || v->whole.auto_exposure ||
         pel_sensing_is(&v->whole)) {
-        expose(r, env, &v->draw->camera, v->submerged);
+        expose(r, env, &v->draw->camera, pel_lens_under(&v->lens));
         bind(r, PEL_BLOCK_EYE, &v->eye, sizeof v->eye);
     }
 }
@@ -351,21 +370,21 @@ static void displace_mesh(struct pel_renderer *r,
 }
 
 /* The nearest triangle of each pixel, in compute. */
-static void search_surface(struct pel_renderer *r, bool submerged)
+static void search_surface(struct pel_renderer *r, bool under)
 {
     int triangles = 2 * r->mesh->vertex_count;
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_KEYS, r->targets.keys);
     if (triangles > 0) {
         glUseProgram(r->programs.search);
         glUniform1i(0, r->mesh->vertex_count);
-        glUniform1i(1, submerged);
+        glUniform1i(1, under);
         glDispatchCompute(pel_groups(triangles, PEL_GROUP_LINE), 1, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
 }
 
 static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
-                           bool submerged)
+                           bool under)
 {
     static const GLfloat far_away = 0.0f;
     /* Clearing obeys depth mask and scissor: the targets may be larger than
@@ -377,14 +396,14 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     glScissor(0, 0, width, height);
     glEnable(GL_SCISSOR_TEST);
     glClearNamedFramebufferfv(r->targets.surface_fbo, GL_DEPTH, 0, &far_away);
-    if (r->any_coast || r->any_objects || r->margin) {
+    if (r->any_coast || r->any_objects || r->margin || under) {
         static const GLuint none[4] = { 0 };
         glClearNamedFramebufferuiv(r->targets.surface_fbo, GL_COLOR, 0, none);
     }
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.surface_fbo);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    if (!submerged) {
+    if (!under) {
         /* The backs of crests would show as specks along their outlines. */
         glEnable(GL_CULL_FACE);
         glFrontFace(GL_CW);
@@ -412,15 +431,16 @@ static void bind_wakes(struct pel_renderer *r,
 
 static void find_surface(struct pel_renderer *r,
                          const struct pel_environment *env,
-                         const struct view *v)
+                         const struct view *v, bool under)
 {
     bind_wakes(r, env, v);
     displace_mesh(r, v->programs);
     pel_stage_end(&r->timing, PEL_STAGE_MESH);
     if (r->programs.compute) {
-        search_surface(r, v->submerged);
-    } else {
-        raster_surface(r, &v->part, v->submerged);
+        search_surface(r, under);
+    }
+    if (!r->programs.compute || under) {
+        raster_surface(r, &v->part, under);
     }
 }
 
@@ -494,7 +514,8 @@ static GLuint put_over(struct pel_renderer *r,
         pel_sensing_layers(&v->draw->camera, v->draw->layers);
     const GLuint sharp = r->targets.planes[PEL_AT_RADIANCE];
     GLuint light = sharp;
-    if (pel_fall_map_shows(env, v->asked) && !v->submerged && !v->high &&
+    const bool wet = v->lens.state == PEL_LENS_WET;
+    if (pel_fall_map_shows(env, v->asked) && !wet && !v->high &&
         !r->programs.above) {
         over_all(v);
         pel_fall_map_put(&r->falls, env, &v->part, &v->block, &r->targets);
@@ -504,14 +525,15 @@ static GLuint put_over(struct pel_renderer *r,
             pel_acuity_run(&r->acuity, &r->targets, (GLsizei)v->block.size.x,
                            (GLsizei)v->block.size.y, r->margin + v->border);
     }
-    if (env->lamp_count > 0 && (!toned || wanted & PEL_LAYER_RADIANCE)) {
+    if (env->lamp_count > 0 && !wet &&
+        (!toned || wanted & PEL_LAYER_RADIANCE)) {
         over_all(v);
         pel_lamp_map_put(&r->lamps, sharp);
         if (light != sharp) {
             pel_lamp_map_put(&r->lamps, light);
         }
     }
-    if (pel_pane_map_shows(&v->part, v->asked) && !v->submerged) {
+    if (pel_pane_map_shows(&v->part, v->asked) && !wet) {
         over_all(v);
         pel_pane_map_put(&r->panes, env, &v->part, sharp);
         if (light != sharp) {
@@ -525,7 +547,7 @@ static GLuint put_over(struct pel_renderer *r,
 static void draw_high(struct pel_renderer *r, const struct pel_environment *env,
                       struct view *v)
 {
-    const unsigned now = pel_view_at_once(env, v->draw, v->asked);
+    const unsigned now = pel_view_at_once(env, v->draw, v->asked, false);
     fill_eye(r, env, v);
     bind_sea(r, env, &v->part);
     bind_wakes(r, env, v);
@@ -547,50 +569,105 @@ static void draw_high(struct pel_renderer *r, const struct pel_environment *env,
     pel_space_end(r, env);
 }
 
+/* By an eye in the air. */
+static void draw_in_air(struct pel_renderer *r,
+                        const struct pel_environment *env, const struct view *v,
+                        unsigned now, bool toned)
+{
+    find_surface(r, env, v, false);
+    if (env->lamp_count > 0) {
+        pel_lamp_glow_bind(&r->glows, env, &v->whole, v->band.first, r->margin);
+    }
+    if (r->any_objects) {
+        raster_objects(r, env, v);
+    }
+    pel_stage_end(&r->timing, PEL_STAGE_RASTER);
+    find_light(r, env, v);
+    shade(r, env, v, now, toned);
+}
+
+/* By an eye in the water, over that in the air where the surface crosses the
+ * lens; the sea and the light are bound. */
+static void draw_in_water(struct pel_renderer *r,
+                          const struct pel_environment *env, struct view *v,
+                          unsigned now)
+{
+    plan_tiles_under(r, env, v);
+    bind_seabed(r, env, &v->part);
+    find_surface(r, env, v, true);
+    if (r->any_objects) {
+        raster_objects(r, env, v);
+    }
+    pel_stage_end(&r->timing, PEL_STAGE_RASTER);
+    if (env->wakes) {
+        pel_wake_map_again(&r->wakes);
+    }
+    over_all(v);
+    pel_under_map_draw(&r->under, env, &r->programs, &r->targets, now,
+                       v->lens.state == PEL_LENS_CROSSED, r->any_objects);
+    if (r->programs.compute) {
+        glClearNamedBufferData(r->targets.keys, GL_R32UI, GL_RED_INTEGER,
+                               GL_UNSIGNED_INT, NULL);
+    }
+}
+
 /* Everything up to the colour. */
-static void draw_pixels(struct pel_renderer *r,
-                        const struct pel_environment *env,
-                        const struct pel_draw *draw, int border)
+static enum pel_err draw_pixels(struct pel_renderer *r,
+                                const struct pel_environment *env,
+                                const struct pel_draw *draw, int border)
 {
     struct view v = { .draw = draw, .border = border };
     plan_pixels(r, env, &v);
     if (v.high) {
         draw_high(r, env, &v);
-        return;
+        return PEL_OK;
     }
-    plan_mesh(r, env, &v);
+    const bool under = pel_lens_under(&v.lens);
+    const bool wet = v.lens.state == PEL_LENS_WET;
+    plan_mesh(r, env, &v, wet);
     plan_discs(r, env, &v);
     r->programs.above = pel_view_above_clouds(env, v.whole.altitude_m);
     v.programs = pel_programs_of(&r->programs, env->sea);
-    plan_tiles(r, env, &v);
-    if (r->any_coast) {
+    if (!wet) {
+        plan_tiles(r, env, &v);
+    }
+    if (r->any_coast || under) {
         bind_seabed(r, env, &v.part);
     }
     fill_eye(r, env, &v);
     bind_sea(r, env, &v.part);
+    if (under && !pel_under_map_bind(&r->under, env, &r->sky, &v.whole, &v.lens,
+                                     &r->arena)) {
+        return PEL_ERR_NO_MEMORY;
+    }
     bind_eye(r, env, &v);
+    if (under) {
+        pel_under_map_shafts(&r->under, env, &r->programs);
+    }
     pel_targets_fit(&r->targets, v.part.width + 2 * (uint32_t)r->margin,
                     v.part.height + 2 * (uint32_t)r->margin, v.asked);
     pel_stage_begin(&r->timing);
     pel_sky_bind_eye(&r->sky, env, v.table_height_m);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
-    find_surface(r, env, &v);
-    if (env->lamp_count > 0) {
-        pel_lamp_glow_bind(&r->glows, env, &v.whole, v.band.first, r->margin);
-    }
-    if (r->any_objects) {
-        raster_objects(r, env, &v);
-    }
-    pel_stage_end(&r->timing, PEL_STAGE_RASTER);
-    find_light(r, env, &v);
-    const unsigned now = pel_view_at_once(env, draw, v.asked);
+    const unsigned now = pel_view_at_once(env, draw, v.asked, under);
     const bool toned = pel_shade_tones(r, now);
-    shade(r, env, &v, now, toned);
+    if (!wet) {
+        draw_in_air(r, env, &v, now, toned);
+    }
+    if (under) {
+        if (!wet) {
+            plan_mesh(r, env, &v, true);
+            fill_eye(r, env, &v);
+            bind(r, PEL_BLOCK_EYE, &v.eye, sizeof v.eye);
+        }
+        draw_in_water(r, env, &v, now);
+    }
     const GLuint light = put_over(r, env, &v, toned);
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
     if (!toned && v.asked & PEL_LAYER_COLOR) {
         pel_shade_tone(r, &v.part, light);
     }
+    return PEL_OK;
 }
 
 enum pel_err pel_view_draw(struct pel_renderer *r,
@@ -603,7 +680,10 @@ enum pel_err pel_view_draw(struct pel_renderer *r,
     const struct pel_camera *c = &here.camera;
     struct pel_band band = pel_band_of(draw);
     const int border = pel_acuity_border(env, c, draw->layers);
-    draw_pixels(r, env, &here, border);
+    enum pel_err err = draw_pixels(r, env, &here, border);
+    if (err != PEL_OK) {
+        return err;
+    }
     if (pel_sensing_is(c) && draw->layers & PEL_LAYER_COLOR) {
         const struct pel_camera part = pel_band_camera(c, band);
         pel_shade_sense(r, env, &part);
@@ -629,7 +709,7 @@ enum pel_err pel_view_draw(struct pel_renderer *r,
         .user = draw->user,
         .started_ns = started_ns,
     };
-    enum pel_err err = pel_readback_push(&r->readback, &source);
+    err = pel_readback_push(&r->readback, &source);
     pel_stage_end(&r->timing, PEL_STAGE_READBACK);
     return err;
 }

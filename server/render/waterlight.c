@@ -394,14 +394,33 @@ static void put_beam(struct pel_water_light *w, int light, struct pel_vec3 to,
                          &block);
 }
 
-static void map_light(struct pel_water_light *w, int light)
+static void make_sky(struct pel_water_light *w, int light)
 {
-    GLuint sky = w->programs[PEL_WATER_SKY], map = w->programs[PEL_WATER_MAP];
+    GLuint sky = w->programs[PEL_WATER_SKY];
     bind(w, PEL_STORE_WATER_ROWS, PEL_WATER_BUFFER_SKY_ROW);
     glProgramUniform1i(sky, 0, light);
     glUseProgram(sky);
     glDispatchCompute(PEL_WATER_MODES, 1, 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void pel_water_light_enter(struct pel_water_light *w,
+                           const struct pel_light *lights, int i,
+                           const struct pel_water_waves *waves,
+                           GLuint sky_table)
+{
+    glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_BEAM,
+                     w->buffers[PEL_WATER_BUFFER_BEAM]);
+    bind(w, PEL_STORE_WATER_COEFFICIENTS, PEL_WATER_BUFFER_COEFFICIENTS);
+    glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky_table);
+    put_beam(w, i, lights[i].direction, waves);
+    make_sky(w, i);
+}
+
+static void map_light(struct pel_water_light *w, int light)
+{
+    GLuint map = w->programs[PEL_WATER_MAP];
+    make_sky(w, light);
     bind(w, PEL_STORE_WATER_ROWS, PEL_WATER_BUFFER_MAP_ROW);
     glProgramUniform1i(map, 0, light);
     glUseProgram(map);

@@ -80,6 +80,14 @@ struct pel_water_waves {
     double along, cross, wind_to_rad;
 };
 
+/* The beam of light i and its sky as beams at the nodes: fills and binds block
+ * `beam` and the buffer PEL_STORE_WATER_COEFFICIENTS. As pel_water_light_map.
+ */
+void pel_water_light_enter(struct pel_water_light *w,
+                           const struct pel_light *lights, int i,
+                           const struct pel_water_waves *waves,
+                           GLuint sky_table);
+
 /* Fills the maps for the first `lit` lights and their skies, layers of
  * `sky_table`. More of a low light enters through `waves` than through a level
  * surface (NULL); the sky's light enters as through that. The blocks `frame`

@@ -30,6 +30,7 @@ struct pel_vec4 {
 #define PEL_BLOCK_SHORE 7
 #define PEL_BLOCK_SEABED 9
 #define PEL_BLOCK_MEDIUM 10
+#define PEL_BLOCK_UNDER 10 /* of an eye under water, in the former's place */
 #define PEL_BLOCK_BEAM 11
 #define PEL_BLOCK_EXPOSURE 12
 #define PEL_BLOCK_SIGHTS 13
@@ -102,6 +103,9 @@ struct pel_vec4 {
 #define PEL_UNIT_WATER_ATTENUATION 14
 #define PEL_UNIT_NIGHT 34     /* 32 and up: what few pictures have */
 #define PEL_UNIT_PANORAMA 34  /* of pictures without the night's */
+#define PEL_UNIT_UNDER 35     /* of an eye under water, 35, 40 and 41 */
+#define PEL_UNIT_SHAFTS 40
+#define PEL_UNIT_UNDER_FOUND 41
 #define PEL_UNIT_AMPLITUDES 0 /* 0, 1: transforms of the cascades */
 #define PEL_UNIT_MODES 1
 
@@ -126,6 +130,7 @@ struct pel_vec4 {
 #define PEL_STORE_WATER_NODES 6
 #define PEL_STORE_WATER_ROWS 6
 #define PEL_STORE_WATER_PLANES 7
+#define PEL_STORE_UNDER_NEXT 7 /* a second kernel */
 #define PEL_STORE_LINES 0 /* 0, 1: transforms of the cascades */
 #define PEL_STORE_MODES 1
 #define PEL_STORE_PROBE 5 /* 5, 6: probes */
@@ -172,6 +177,8 @@ struct pel_vec4 {
 #define PEL_IMAGE_WATER_RADIANCE 0
 #define PEL_IMAGE_WATER_ATTENUATION 1
 #define PEL_IMAGE_WATER_MAP 0
+#define PEL_IMAGE_UNDER 0
+#define PEL_IMAGE_SHAFTS 0
 #define PEL_IMAGE_SURROUNDINGS 0
 #define PEL_IMAGE_MIRRORS 0
 #define PEL_IMAGE_MIRROR_DEPTHS 1
@@ -990,6 +997,56 @@ PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
     vec4 peak; /* rgb share of the phase function's peak: what it leaves is in
                   the table of PEL_STORE_WATER_TURNS */
     vec4 depth[PEL_WATER_LEVELS_MAX]; /* x m, of each level */
+};
+#endif
+/* Light that an eye under water sees (optics/underlight.h): levels of depth;
+ * rows of directions up, and down, by x from 0 to 1 at the elevation π/2
+ * x^POWER; columns of azimuths from a light's, 0 to π; modes; nodes of beams
+ * are those of the other maps. Two more rows hold irradiances of level planes,
+ * from above and from below. Steps of the phase function, evenly in the root of
+ * the angle. */
+#define PEL_UNDER_LEVELS 20
+#define PEL_UNDER_ROWS 32
+#define PEL_UNDER_POWER 1.5
+#define PEL_UNDER_COLUMNS 32
+#define PEL_UNDER_MODES 12
+#define PEL_UNDER_TURNS 64
+/* What the waves focus in the water about the eye: places on the surface
+ * through which the light comes, REACH m away at the edge and denser near the
+ * eye, by depth, DEPTHS steps of STEPS an octave from FIRST m. */
+#define PEL_SHAFT_PLACES 128
+#define PEL_SHAFT_REACH 48.0
+#define PEL_SHAFT_DEPTHS 14
+#define PEL_SHAFT_STEPS 2.0
+#define PEL_SHAFT_FIRST 0.5
+/* What a line of sight meets in the water. */
+#define PEL_UNDER_NOTHING 0.0
+#define PEL_UNDER_SURFACE 1.0
+#define PEL_UNDER_BOTTOM 2.0
+/* Radius of the dome before a lens that waves may cross, m. */
+#define PEL_UNDER_DOME 0.1
+#if defined(__STDC__) || defined(PEL_UNDER)
+PEL_BLOCK(PEL_BLOCK_UNDER, under)
+{
+    vec4 under_eye;   /* x depth below the mean sea, m; y the water's surface
+                         above the eye, m; zw its slope there */
+    vec4 under_lens;  /* x 1: the surface crosses the lens; y time, s, of
+                         particles; z particles, 1/m³; w 1: shafts */
+    vec4 under_scaled;  /* rgb extinction without the forward peak, 1/m */
+    vec4 under_full;    /* rgb extinction, 1/m */
+    vec4 under_scatter; /* rgb scattering, 1/m */
+    vec4 under_fall;    /* rgb by which the levels are scaled, 1/m */
+    vec4 under_levels;  /* x one over the step near the surface, 1/m; y levels
+                           an octave; z last level; w share of the second
+                           kernel */
+    vec4 under_ground;  /* rgb albedo of the bottom; w its depth below the mean
+                           sea, m */
+    vec4 under_drift;   /* x depth of the eye in the light, m; w variance of slopes that would spread a beam as
+                           the forward peak does */
+    vec4 under_beams[PEL_LIGHTS]; /* xyz towards it, in the water; w irradiance
+                                     normal to it for 1 above the surface */
+    vec4 under_turns[PEL_UNDER_TURNS + 1]; /* rgb log2 of the phase function
+                                              without its peak */
 };
 #endif
 PEL_BLOCK(PEL_BLOCK_BEAM, beam)

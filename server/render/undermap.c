@@ -1,0 +1,476 @@
+#include "render/undermap.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/log.h"
+#include "base/vec.h"
+#include "render/pass.h"
+#include "render/seabedmap.h"
+#include "render/shader.h"
+#include "render/uniforms.h"
+
+#define ROWS (2 * PEL_UNDER_ROWS + 2)
+#define BLUR_RAD 0.01 /* of the line on the dome */
+/* Of a beam that goes through the surface: how much its direction in the water
+ * turns with a facet's slope; deviation of the forward peak over its angle. */
+#define TURNED (1.0 - 1.0 / PEL_WATER_INDEX)
+#define PEAK_SHARE 0.3
+/* Water whose bottom is not level is taken as level ones of these depths. */
+#define DEPTHS_AN_OCTAVE 3.0
+#define FACETS 8         /* that light goes through or is mirrored by */
+#define FOCUS_LEAST 0.02 /* sine of the light's elevation */
+
+/* --- where the eye is ----------------------------------------------------- */
+
+struct pel_lens_place pel_lens_place(const struct pel_environment *env,
+                                     const struct pel_camera *c)
+{
+    struct pel_lens_place p = { .state = PEL_LENS_HIGH };
+    double crests = fmin(env->sea->max_height_m, 6.0 * sqrt(env->sea->m0));
+    if (c->altitude_m > crests + 2.0 * PEL_UNDER_DOME) {
+        return p;
+    }
+    struct pel_surface_sample above;
+    pel_sea_sample(env->sea, c->east_m, c->north_m, env->time_s, &above);
+    double up = fmax(above.normal.z, 0.1);
+    p.above_m = above.height_m - c->altitude_m;
+    p.slope = (struct pel_vec2){ -above.normal.x / up, -above.normal.y / up };
+    double reach = PEL_UNDER_DOME *
+                   (sqrt(1.0 + p.slope.x * p.slope.x + p.slope.y * p.slope.y) +
+                    4.0 * BLUR_RAD);
+    p.state = p.above_m > reach    ? PEL_LENS_WET
+              : p.above_m > -reach ? PEL_LENS_CROSSED
+                                   : PEL_LENS_DRY;
+    return p;
+}
+
+/* --- programs ------------------------------------------------------------- */
+
+static GLuint *place_of(struct pel_under_map *map, const char *defines)
+{
+    for (int i = 0; i < map->program_count; i++) {
+        if (strcmp(map->programs[i].defines, defines) == 0) {
+            return &map->programs[i].program;
+        }
+    }
+    return NULL;
+}
+
+static enum pel_err need(struct pel_under_map *map, const char *shader_dir,
+                         const char *first, const char *second,
+                         const char *defines, struct pel_fault *fault)
+{
+    if (place_of(map, defines)) {
+        return PEL_OK;
+    }
+    GLuint program = 0;
+    enum pel_err err =
+        pel_program_create(shader_dir, first, second, defines, &program, fault);
+    if (err != PEL_OK) {
+        return err;
+    }
+    /* The oldest makes room: it is made again if it is wanted again. */
+    if (map->program_count == PEL_UNDER_PROGRAMS) {
+        glDeleteProgram(map->programs[0].program);
+        memmove(map->programs, map->programs + 1,
+                sizeof *map->programs * (PEL_UNDER_PROGRAMS - 1));
+        map->program_count--;
+    }
+    struct pel_under_program *to = &map->programs[map->program_count++];
+    snprintf(to->defines, sizeof to->defines, "%s", defines);
+    to->program = program;
+    return PEL_OK;
+}
+
+enum part { SHAFTS, FIND, SCENE, HULLS };
+
+static void defines_of(const struct pel_environment *env,
+                       const struct pel_programs *p, enum part part,
+                       enum pel_shading kind, char out[512])
+{
+    static const char *const of[] = {
+        [SHAFTS] = "#define PEL_SHAFT\n",
+        [FIND] = "#define PEL_FIND\n",
+        [SCENE] = "",
+        [HULLS] = "#define PEL_OBJECTS\n",
+    };
+    const bool shades = part >= SCENE;
+    char surface[PEL_SURFACE_TEXT];
+    pel_programs_surface(p, env->sea, surface);
+    snprintf(out, 512, "%s%s%s%s%s%s", surface, of[part],
+             shades ? pel_shading_defines(kind) : "",
+             shades ? pel_light_program_defines(env) : "",
+             env->seabed && part != SHAFTS ? "#define PEL_SEABED\n" : "",
+             part == HULLS && p->textured ? "#define PEL_TEXTURED\n" : "");
+}
+
+enum pel_err pel_under_map_need(struct pel_under_map *map,
+                                const struct pel_environment *env,
+                                const struct pel_programs *p,
+                                enum pel_shading kind, struct pel_fault *fault)
+{
+    char defines[512];
+    enum pel_err err = PEL_OK;
+    if (!map->map_program) {
+        err = pel_program_create(p->shader_dir, "under_map.comp", NULL, NULL,
+                                 &map->map_program, fault);
+    }
+    const int parts = env->object_count ? HULLS : SCENE;
+    for (int i = 0; i <= parts && err == PEL_OK; i++) {
+        static const char *const files[] = { "under_shafts.comp",
+                                             "under_find.frag", "under.frag",
+                                             "under.frag" };
+        defines_of(env, p, (enum part)i, kind, defines);
+        err = need(map, p->shader_dir, i == SHAFTS ? files[i] : "screen.vert",
+                   i == SHAFTS ? NULL : files[i], defines, fault);
+    }
+    return err;
+}
+
+void pel_under_map_finish(struct pel_under_map *map)
+{
+    for (int i = 0; i < map->program_count; i++) {
+        glDeleteProgram(map->programs[i].program);
+    }
+    glDeleteProgram(map->map_program);
+    glDeleteTextures(1, &map->map);
+    glDeleteTextures(1, &map->shafts);
+    glDeleteTextures(1, &map->found);
+    glDeleteFramebuffers(1, &map->found_fbo);
+    glDeleteBuffers(2, map->kernels);
+    memset(map, 0, sizeof *map);
+}
+
+/* --- the water's light ---------------------------------------------------- */
+
+static GLuint make_array(GLenum format, GLsizei width, GLsizei height,
+                         GLsizei layers, const char *label)
+{
+    GLuint texture = 0;
+    glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &texture);
+    glTextureStorage3D(texture, 1, format, width, height, layers);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    glObjectLabel(GL_TEXTURE, texture, -1, label);
+    return texture;
+}
+
+static void make(struct pel_under_map *map)
+{
+    map->map = make_array(GL_RGBA32F, PEL_UNDER_COLUMNS, ROWS,
+                          PEL_LIGHTS * PEL_UNDER_LEVELS, "light under water");
+    map->shafts = make_array(GL_RGBA16F, PEL_SHAFT_PLACES, PEL_SHAFT_PLACES,
+                             PEL_SHAFT_DEPTHS, "shafts");
+    glCreateBuffers(2, map->kernels);
+    for (int i = 0; i < 2; i++) {
+        glNamedBufferStorage(map->kernels[i], sizeof(struct pel_under_kernel),
+                             NULL, GL_DYNAMIC_STORAGE_BIT);
+        glObjectLabel(GL_BUFFER, map->kernels[i], -1, "light under water");
+    }
+}
+
+/* Depths of level water that the water about a place is taken as, and the share
+ * of the second. */
+static void columns_at(const struct pel_environment *env,
+                       const struct pel_camera *c, double depth_m[2],
+                       double *share)
+{
+    depth_m[0] = depth_m[1] = env->water.depth_m;
+    *share = 0.0;
+    if (env->seabed) {
+        double outside = -env->water.depth_m - env->sea_level_m;
+        double deep = env->sea_level_m -
+                      pel_seabed_drawn(env->seabed, c->east_m, c->north_m,
+                                       outside + env->sea_level_m);
+        deep = pel_clamp(deep, 0.5, PEL_DEPTH_MAX);
+        double octaves = DEPTHS_AN_OCTAVE * log2(deep), whole = floor(octaves);
+        depth_m[0] = exp2(whole / DEPTHS_AN_OCTAVE);
+        depth_m[1] = exp2((whole + 1.0) / DEPTHS_AN_OCTAVE);
+        *share = octaves - whole;
+    }
+}
+
+/* The place of the kernel of a depth, -1: no memory. */
+static int kernel_of(struct pel_under_map *map,
+                     const struct pel_environment *env, double depth_m)
+{
+    int at = map->used[1] < map->used[0];
+    for (int i = 0; i < 2; i++) {
+        at = map->kernel_depth_m[i] == depth_m ? i : at;
+    }
+    map->used[at] = ++map->uses;
+    if (map->kernel_depth_m[at] == depth_m) {
+        return at;
+    }
+    struct pel_under_kernel *kernel = malloc(sizeof *kernel);
+    if (!kernel || pel_under_kernel_build(&env->water, &map->medium, depth_m,
+                                          kernel) != PEL_OK) {
+        free(kernel);
+        return -1;
+    }
+    glNamedBufferSubData(map->kernels[at], 0, sizeof *kernel, kernel);
+    free(kernel);
+    map->kernel_depth_m[at] = depth_m;
+    map->version++;
+    return at;
+}
+
+static bool fit_medium(struct pel_under_map *map,
+                       const struct pel_environment *env)
+{
+    double deepest = env->water.depth_m;
+    if (env->seabed) {
+        deepest = fmax(deepest, env->sea_level_m - env->seabed->lowest_m);
+    }
+    if (map->made && map->deepest_m == deepest &&
+        memcmp(&map->body, &env->water,
+               offsetof(struct pel_water_body, land)) == 0) {
+        return true;
+    }
+    if (!map->map) {
+        make(map);
+    }
+    map->kernel_depth_m[0] = map->kernel_depth_m[1] = 0.0;
+    map->made =
+        pel_under_medium_make(&env->water, deepest, &map->medium) == PEL_OK;
+    map->body = env->water;
+    map->deepest_m = deepest;
+    return map->made;
+}
+
+static void fill_map(struct pel_under_map *map,
+                     const struct pel_environment *env, struct pel_sky *sky,
+                     const int kernel[2], double share)
+{
+    double key[PEL_SKY_LIGHT_KEYS + 4];
+    memcpy(key, sky->light_key, sizeof sky->light_key);
+    key[PEL_SKY_LIGHT_KEYS] = (double)map->version;
+    key[PEL_SKY_LIGHT_KEYS + 1] = kernel[0];
+    key[PEL_SKY_LIGHT_KEYS + 2] = kernel[1];
+    key[PEL_SKY_LIGHT_KEYS + 3] = share;
+    if (memcmp(key, map->light_key, sizeof key) == 0) {
+        return;
+    }
+    memcpy(map->light_key, key, sizeof key);
+    const struct pel_water_waves waves = { env->sea->slope_variance_along,
+                                           env->sea->slope_variance_cross,
+                                           env->wind_to_rad };
+    for (int i = 0; i < env->lit; i++) {
+        pel_water_light_enter(&sky->water, env->lights, i, &waves,
+                              sky->sea.radiance);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_WATER_KERNEL,
+                         map->kernels[kernel[0]]);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_UNDER_NEXT,
+                         map->kernels[kernel[1]]);
+        glBindImageTexture(PEL_IMAGE_UNDER, map->map, 0, GL_TRUE, 0,
+                           GL_WRITE_ONLY, GL_RGBA32F);
+        glUseProgram(map->map_program);
+        glUniform1i(0, i);
+        glUniform1f(1, (float)share);
+        glDispatchCompute(ROWS, PEL_UNDER_LEVELS, 1);
+        glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
+                        GL_SHADER_STORAGE_BARRIER_BIT |
+                        GL_BUFFER_UPDATE_BARRIER_BIT);
+    }
+}
+
+static struct pel_vec4 vec4(double x, double y, double z, double w)
+{
+    return (struct pel_vec4){ (float)x, (float)y, (float)z, (float)w };
+}
+
+static struct pel_vec4 rgb(const double v[PEL_WATER_WAVELENGTHS], double w)
+{
+    return vec4(v[0], v[1], v[2], w);
+}
+
+/* In the light that a level sea would let in: below the surface above the eye
+ * near crests, below the mean sea deeper down. */
+static double depth_in_light(const struct pel_environment *env,
+                             const struct pel_camera *c,
+                             const struct pel_lens_place *place)
+{
+    double depth = -c->altitude_m, raised = place->above_m - depth;
+    double deviation = fmax(sqrt(env->sea->m0), 1e-3);
+    double near = exp(-0.5 * fmax(depth, 0.0) / deviation);
+    return fmax(depth + raised * near, 0.0);
+}
+
+static void fill_block(const struct pel_under_map *map,
+                       const struct pel_environment *env,
+                       const struct pel_sky *sky, const struct pel_camera *c,
+                       const struct pel_lens_place *place,
+                       struct pel_block_under *out)
+{
+    const struct pel_under_medium *m = &map->medium;
+    double octaves = log2(1.0 + m->last_m / m->step_m);
+    double spread = PEAK_SHARE * m->peak_rad / TURNED;
+    bool shafts = env->caustics && env->lights[0].direction.z > FOCUS_LEAST;
+    *out = (struct pel_block_under){
+        .under_eye = vec4(-c->altitude_m, place->above_m, place->slope.x,
+                          place->slope.y),
+        .under_lens =
+            vec4(place->state == PEL_LENS_CROSSED, env->time_s, 0.0, shafts),
+        .under_scaled = rgb(m->scaled, 0.0),
+        .under_full = rgb(m->full, 0.0),
+        .under_scatter = rgb(env->water.scattering, 0.0),
+        .under_fall = rgb(m->fall, 0.0),
+        .under_levels = vec4(1.0 / m->step_m, (PEL_UNDER_LEVELS - 1) / octaves,
+                             PEL_UNDER_LEVELS - 1, 0.0),
+        .under_ground =
+            rgb(env->water.albedo,
+                env->water.depth_m + (env->seabed ? env->sea_level_m : 0.0)),
+        .under_drift =
+            vec4(depth_in_light(env, c, place), FACETS, 0.0, spread * spread),
+    };
+    for (int i = 0; i < env->lit; i++) {
+        const struct pel_vec3 to = env->lights[i].direction;
+        double x = to.x / PEL_WATER_INDEX, y = to.y / PEL_WATER_INDEX;
+        double across = fmin(hypot(x, y), 1.0 / PEL_WATER_INDEX);
+        out->under_beams[i] =
+            vec4(x, y, sqrt(1.0 - across * across), sky->water.beams[i]);
+    }
+    memcpy(out->under_turns, m->turns, sizeof out->under_turns);
+}
+
+bool pel_under_map_bind(struct pel_under_map *map,
+                        const struct pel_environment *env, struct pel_sky *sky,
+                        const struct pel_camera *c,
+                        const struct pel_lens_place *place,
+                        struct pel_arena *arena)
+{
+    double depth_m[2], share;
+    columns_at(env, c, depth_m, &share);
+    if (!fit_medium(map, env)) {
+        return false;
+    }
+    int kernel[2];
+    for (int i = 0; i < 2; i++) {
+        kernel[i] = kernel_of(map, env, depth_m[i]);
+        if (kernel[i] < 0) {
+            return false;
+        }
+    }
+    fill_map(map, env, sky, kernel, share);
+    struct pel_block_under block;
+    fill_block(map, env, sky, c, place, &block);
+    pel_arena_bind(arena, GL_UNIFORM_BUFFER, PEL_BLOCK_UNDER, &block,
+                   sizeof block);
+    glBindTextureUnit(PEL_UNIT_UNDER, map->map);
+    glBindTextureUnit(PEL_UNIT_SHAFTS, map->shafts);
+    return true;
+}
+
+void pel_under_map_shafts(struct pel_under_map *map,
+                          const struct pel_environment *env,
+                          const struct pel_programs *p)
+{
+    char defines[512];
+    if (!env->caustics || env->lights[0].direction.z <= FOCUS_LEAST) {
+        return;
+    }
+    defines_of(env, p, SHAFTS, PEL_SHADE_LIGHT, defines);
+    const GLuint *program = place_of(map, defines);
+    glBindImageTexture(PEL_IMAGE_SHAFTS, map->shafts, 0, GL_TRUE, 0,
+                       GL_WRITE_ONLY, GL_RGBA16F);
+    glUseProgram(program ? *program : 0);
+    glDispatchCompute(PEL_SHAFT_PLACES / PEL_GROUP_SIDE,
+                      PEL_SHAFT_PLACES / PEL_GROUP_SIDE, PEL_SHAFT_DEPTHS);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+}
+
+/* --- drawing -------------------------------------------------------------- */
+
+static void fit_found(struct pel_under_map *map, const struct pel_targets *t)
+{
+    if (map->width == t->width && map->height == t->height) {
+        return;
+    }
+    glDeleteTextures(1, &map->found);
+    glDeleteFramebuffers(1, &map->found_fbo);
+    map->width = t->width;
+    map->height = t->height;
+    glCreateTextures(GL_TEXTURE_2D, 1, &map->found);
+    glTextureStorage2D(map->found, 1, GL_RGBA32F, (GLsizei)t->width,
+                       (GLsizei)t->height);
+    glTextureParameteri(map->found, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(map->found, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glObjectLabel(GL_TEXTURE, map->found, -1, "met under water");
+    glCreateFramebuffers(1, &map->found_fbo);
+    glNamedFramebufferTexture(map->found_fbo, GL_COLOR_ATTACHMENT0, map->found,
+                              0);
+}
+
+static void use(struct pel_under_map *map, const struct pel_environment *env,
+                const struct pel_programs *p, enum part part,
+                enum pel_shading kind)
+{
+    char defines[512];
+    defines_of(env, p, part, kind, defines);
+    const GLuint *program = place_of(map, defines);
+    glUseProgram(program ? *program : 0);
+}
+
+/* Light is blended along the line on the lens and at silhouettes. */
+static void draw_light(struct pel_under_map *map,
+                       const struct pel_environment *env,
+                       const struct pel_programs *p, enum part part,
+                       struct pel_targets *targets)
+{
+    const struct pel_pass light = pel_pass_first(PEL_LAYER_RADIANCE, false);
+    glEnable(GL_BLEND);
+    glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO,
+                        part == HULLS ? GL_ONE_MINUS_SRC_ALPHA : GL_ONE);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, pel_targets_attach(targets, &light));
+    use(map, env, p, part, light.kind);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_BLEND);
+}
+
+/* What is no light is the nearer's. */
+static void draw_layers(struct pel_under_map *map,
+                        const struct pel_environment *env,
+                        const struct pel_programs *p, enum part part,
+                        struct pel_targets *targets, unsigned asked, bool first)
+{
+    struct pel_pass pass = pel_pass_first(asked, false);
+    pass.first = first;
+    do {
+        if (pass.layers || pass.first) {
+            glBindFramebuffer(GL_DRAW_FRAMEBUFFER,
+                              pel_targets_attach(targets, &pass));
+            use(map, env, p, part, pass.kind);
+            pel_pass_use(&pass);
+            glDrawArrays(GL_TRIANGLES, 0, 3);
+        }
+    } while (pel_pass_next(&pass, false));
+}
+
+void pel_under_map_draw(struct pel_under_map *map,
+                        const struct pel_environment *env,
+                        const struct pel_programs *p,
+                        struct pel_targets *targets, unsigned asked,
+                        bool crossed, bool objects)
+{
+    fit_found(map, targets);
+    glBindTextureUnit(PEL_UNIT_TRIANGLES, targets->triangles);
+    glDisable(GL_DEPTH_TEST);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, map->found_fbo);
+    use(map, env, p, FIND, PEL_SHADE_LIGHT);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glBindTextureUnit(PEL_UNIT_UNDER_FOUND, map->found);
+    if (crossed) {
+        draw_light(map, env, p, SCENE, targets);
+    }
+    draw_layers(map, env, p, SCENE, targets, asked, !crossed);
+    if (objects) {
+        draw_light(map, env, p, HULLS, targets);
+        draw_layers(map, env, p, HULLS, targets, asked, false);
+    }
+}

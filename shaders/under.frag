@@ -1,0 +1,214 @@
+#version 450 core
+// What an eye in the water sees, over what one in the air would.
+#define PEL_UNDER
+#include "lib/blocks.h"
+#include "lib/turns.glsl"
+#ifdef PEL_AREAS
+#include "lib/areas.glsl"
+#endif
+#include "lib/spline.glsl"
+#ifdef PEL_SHORE
+#include "lib/shore.glsl"
+#endif
+#ifdef PEL_FFT
+#include "lib/cascades.glsl"
+#else
+#include "lib/waves.glsl"
+#endif
+#include "lib/filtered.glsl"
+#include "lib/sky.glsl"
+#include "lib/clouds.glsl"
+#include "lib/fog.glsl"
+#include "lib/beam.glsl"
+#include "lib/variance.glsl"
+#include "lib/ray.glsl"
+#include "lib/ross.glsl"
+#include "lib/water.glsl"
+#include "lib/shaded.glsl"
+#include "lib/haze.glsl"
+#include "lib/seabed.glsl"
+#include "lib/cut.glsl"
+#ifdef PEL_OBJECTS
+#include "lib/objects.glsl"
+#endif
+layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
+#include "lib/underlight.glsl"
+#include "lib/under.glsl"
+#include "lib/tone.glsl"
+#include "lib/outputs.glsl"
+
+layout(binding = PEL_UNIT_TRIANGLES) uniform usampler2D triangles;
+layout(binding = PEL_UNIT_UNDER_FOUND) uniform sampler2D under_found; // of under_find.frag
+
+shaded as_shaded(under_light l)
+{
+    shaded result = only_light(under_radiance(l));
+#ifdef PEL_LAYERS
+    result.sun = l.sun;
+    result.sky = l.sky;
+    result.water = l.once + l.more + l.bottom;
+#endif
+#ifdef PEL_WATER_PARTS
+    set_parts(result, water_light(l.once, vec3(0.0), l.more, l.bottom));
+#endif
+    return result;
+}
+
+#ifndef PEL_OBJECTS
+// Whatever lies there but objects, as under_find.frag has found it.
+shaded under_scene(ivec2 at, vec3 ray, vec3 sight)
+{
+    vec4 found = texelFetch(under_found, at, 0);
+    float s = found.x;
+    bool surface = found.y == PEL_UNDER_SURFACE, bottom = found.y == PEL_UNDER_BOTTOM;
+    vec3 place = s * sight;
+    under_light beyond = UNDER_DARK;
+    shaded facts = only_light(vec3(0.0));
+    uint triangle = texelFetch(triangles, at, 0).r;
+    if (surface) {
+        cut hit = cut_triangle(ray, triangle);
+        vec2 x = triangle == 0u ? place.xy : hit.x;
+        vec3 facet = triangle == 0u ? vec3(0.0, 0.0, 1.0) : hit.facet;
+        float facing = max(abs(dot(facet, sight)), 0.05);
+        float footprint = max(s * pixel.x * pow(facing, -PEL_FOOTPRINT_ALONG), 1e-3);
+        filtered f = filtered_sea(x, footprint);
+#ifdef PEL_WAKES
+        wake_shift wake = wake_at(place.xy - wake_at(place.xy, footprint).d.xy, footprint);
+        add_wakes(wake, f);
+#endif
+        vec3 n = filtered_normal(f);
+        vec2 variance = variance_left(footprint);
+#ifdef PEL_AREAS
+        variance = area_variance(variance, f.up);
+#endif
+#ifdef PEL_WAKES
+        variance += wake_variance(wake.lost);
+#endif
+        // A patch that the mesh shows and the waves hide is seen edge on.
+        float turned = dot(n, sight);
+        n = turned < 0.02 ? normalize(n + (0.02 - turned) * sight) : n;
+        under_surface_seen seen = under_surface(sight, place, s, n, variance, found.w);
+        beyond = seen.light;
+#ifdef PEL_LAYERS
+        facts.normal = n;
+        facts.fresnel = seen.mirrored.g;
+        facts.slope_variance = variance;
+#endif
+    } else if (bottom) {
+        float footprint = s * pixel.x * inversesqrt(max(-sight.z, 0.02));
+        vec3 n = under_bottom_normal(place.xy, footprint);
+        beyond = under_bottom(place.xy, n, under_eye.x - place.z, found.z);
+#ifdef PEL_LAYERS
+        facts.normal = n;
+        facts.albedo = under_ground.rgb;
+#endif
+    }
+    vec3 level = surface ? under_levelled(sight, s) : sight;
+    shaded result = as_shaded(under_water(level, s, beyond, under_shafts(level, s)));
+#ifdef PEL_LAYERS
+    result.depth = surface || bottom ? s : uintBitsToFloat(0x7F800000u);
+    result.normal = facts.normal;
+    result.fresnel = facts.fresnel;
+    result.slope_variance = facts.slope_variance;
+    result.albedo = facts.albedo;
+#endif
+    return result;
+}
+#else
+shaded under_hull(vec3 ray, uvec2 number, vec3 shafts_)
+{
+    vec3 sight = normalize(ray), matt;
+    float s;
+    object_point_seen point;
+    under_light l = under_object(ray, number, sight, s, point, matt);
+    shaded result = as_shaded(under_water(sight, s, l, shafts_));
+#ifdef PEL_LAYERS
+    result.depth = s;
+    result.normal = point.normal;
+    vec4 facts = object_facts(int(number.x) - 1);
+    result.id = facts.x + 1.0;
+    result.class_ = facts.y + 1.0;
+    result.albedo = matt;
+#endif
+    return result;
+}
+
+// As shade_samples of lib/objects.glsl.
+shaded under_samples(ivec2 at, vec3 shafts_, out float cover)
+{
+    const float SHARE = 1.0 / float(PEL_SAMPLES);
+    shaded sum = only_light(vec3(0.0));
+    cover = 0.0;
+    uint left = texelFetch(object_cover, at, 0).r;
+    if (left != 0u) do {
+        uvec2 seen = texelFetch(object_samples, at, findLSB(left)).rg;
+        vec3 place = vec3(0.0);
+        uint same = 0u;
+        for (int i = 0; i < PEL_SAMPLES; i++) {
+            bool alike = (left >> i & 1u) != 0u && texelFetch(object_samples, at, i).rg == seen;
+            same |= alike ? 1u << i : 0u;
+            place += alike ? vec3(sample_place(i), 1.0) : vec3(0.0);
+        }
+        left &= ~same;
+        vec3 ray = pixel_ray(pixel.zw + vec2(at) + place.xy / place.z);
+        seen.y &= ~SAMPLE_INNER;
+        add_light(sum, under_hull(ray, seen, shafts_), SHARE * place.z);
+        cover += SHARE * place.z;
+    } while (left != 0u);
+    return sum;
+}
+#endif
+
+void main()
+{
+    ivec2 at = ivec2(gl_FragCoord.xy);
+    vec3 ray = pixel_ray(lattice(at));
+    float ray_length = length(ray);
+    vec3 sight = ray / ray_length;
+    float cover = 1.0, rim = 0.0;
+    if (under_lens.x > 0.5) {
+        float line = under_line(sight);
+        // The lens is focused on what is far: its dome is blurred.
+        const float SOFT = 0.006;
+        cover = smoothstep(-SOFT, SOFT, line);
+        rim = 0.55 * exp(-line * line * (0.5 / (0.012 * 0.012)));
+    }
+#if defined(PEL_CLOUDS) || defined(PEL_FOG)
+    veil_lights_evenly();
+#endif
+    if (cover + rim < 1e-3) {
+        discard;
+    }
+#ifdef PEL_OBJECTS
+    uvec2 middle = texelFetch(objects, at, 0).rg;
+    float hulls = 0.0;
+    // Of all that a pixel shows, as far away as its first sample.
+    uint any = texelFetch(object_cover, at, 0).r;
+    uvec2 first = texelFetch(object_samples, at, findLSB(max(any, 1u))).rg;
+    first.y &= ~SAMPLE_INNER;
+    vec3 shafts_ = under_shafts(sight, any != 0u ? length(cut_object(vec3(0.0), ray, first).place) : 0.0);
+    shaded s = under_samples(at, shafts_, hulls);
+#ifdef PEL_LAYERS
+    if (middle.x == 0u) {
+        discard;
+    }
+    s = under_hull(ray, middle, shafts_);
+#endif
+    if (hulls == 0.0) {
+        discard;
+    }
+#else
+    const float hulls = 1.0;
+    shaded s = under_scene(at, ray, sight);
+#endif
+    // The meniscus along the line turns away what is behind it.
+    float kept = under_lens.x > 0.5 ? cover * (1.0 - rim) : 1.0;
+    s.radiance *= kept;
+#ifdef PEL_LAYERS
+    if (cover < 0.5) {
+        discard;
+    }
+#endif
+    // Blended by the last component where it is not 1.
+    write_outputs(s, at, (under_lens.x > 0.5 ? max(cover, rim) : 1.0) * hulls);
+}
