@@ -54,6 +54,21 @@ static double peak_angle(const struct pel_phase_table *t, double share)
     return 0.5 * (low + high);
 }
 
+/* Mean square, over one of two axes, of the angles that it turns light by
+ * within an angle beyond what it has at it. */
+static double peak_square(const struct pel_phase_table *t, double angle)
+{
+    double edge = pel_phase_look_up(t, cos(angle)), sum = 0.0, square = 0.0;
+    const int steps = 400;
+    for (int k = 0; k < steps; k++) {
+        double r = (k + 0.5) / steps, a = angle * r * r;
+        double share = sin(a) * r * (pel_phase_look_up(t, cos(a)) - edge);
+        sum += share;
+        square += share * a * a;
+    }
+    return 0.5 * square / fmax(sum, 1e-12);
+}
+
 static void put_turns(const struct pel_phase_table *t, double angle,
                       int wavelength, struct pel_under_medium *out)
 {
@@ -90,7 +105,10 @@ enum pel_err pel_under_medium_make(const struct pel_water_body *body,
         murkiest = fmax(murkiest, out->scaled[i]);
         pel_phase_tabulate(&phase, t);
         double angle = peak_angle(t, out->peak[i]);
-        out->peak_rad = i == 1 ? angle : out->peak_rad;
+        if (i == 1) {
+            out->peak_rad = angle;
+            out->peak_square = peak_square(t, angle);
+        }
         put_turns(t, angle, i, out);
     }
     out->step_m = fmin(1.0, 0.5 / murkiest);

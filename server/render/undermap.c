@@ -16,9 +16,8 @@
 #define ROWS (2 * PEL_UNDER_ROWS + 2)
 #define BLUR_RAD 0.01 /* of the line on the dome */
 /* Of a beam that goes through the surface: how much its direction in the water
- * turns with a facet's slope; deviation of the forward peak over its angle. */
+ * turns with a facet's slope. */
 #define TURNED (1.0 - 1.0 / PEL_WATER_INDEX)
-#define PEAK_SHARE 0.3
 /* Water whose bottom is not level is taken as level ones of these depths. */
 #define DEPTHS_AN_OCTAVE 3.0
 #define FACETS 8         /* that light goes through or is mirrored by */
@@ -310,7 +309,6 @@ static void fill_block(const struct pel_under_map *map,
 {
     const struct pel_under_medium *m = &map->medium;
     double octaves = log2(1.0 + m->last_m / m->step_m);
-    double spread = PEAK_SHARE * m->peak_rad / TURNED;
     bool shafts = env->caustics && env->lights[0].direction.z > FOCUS_LEAST;
     *out = (struct pel_block_under){
         .under_eye = vec4(-c->altitude_m, place->above_m, place->slope.x,
@@ -326,8 +324,8 @@ static void fill_block(const struct pel_under_map *map,
         .under_ground =
             rgb(env->water.albedo,
                 env->water.depth_m + (env->seabed ? env->sea_level_m : 0.0)),
-        .under_drift =
-            vec4(depth_in_light(env, c, place), FACETS, 0.0, spread * spread),
+        .under_drift = vec4(depth_in_light(env, c, place), FACETS, 0.0,
+                            m->peak_square / (TURNED * TURNED)),
     };
     for (int i = 0; i < env->lit; i++) {
         const struct pel_vec3 to = env->lights[i].direction;
