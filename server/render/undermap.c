@@ -166,6 +166,7 @@ static void make(struct pel_under_map *map)
                           PEL_LIGHTS * PEL_UNDER_LEVELS, "light under water");
     map->shafts = make_array(GL_RGBA16F, PEL_SHAFT_PLACES, PEL_SHAFT_PLACES,
                              PEL_SHAFT_DEPTHS, "shafts");
+    glClearTexImage(map->shafts, 0, GL_RGBA, GL_FLOAT, NULL);
     glCreateBuffers(2, map->kernels);
     for (int i = 0; i < 2; i++) {
         glNamedBufferStorage(map->kernels[i], sizeof(struct pel_under_kernel),
