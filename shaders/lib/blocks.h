@@ -101,9 +101,9 @@ struct pel_vec4 {
 #define PEL_UNIT_WATER_PHASE 12 /* 12 to 14: maps of the water */
 #define PEL_UNIT_WATER_RADIANCE 13
 #define PEL_UNIT_WATER_ATTENUATION 14
-#define PEL_UNIT_NIGHT 34     /* 32 and up: what few pictures have */
-#define PEL_UNIT_PANORAMA 34  /* of pictures without the night's */
-#define PEL_UNIT_UNDER 35     /* of an eye under water, 35, 40 and 41 */
+#define PEL_UNIT_NIGHT 34    /* 32 and up: what few pictures have */
+#define PEL_UNIT_PANORAMA 34 /* of pictures without the night's */
+#define PEL_UNIT_UNDER 35    /* of an eye under water, 35, 40 and 41 */
 #define PEL_UNIT_SHAFTS 40
 #define PEL_UNIT_UNDER_FOUND 41
 #define PEL_UNIT_AMPLITUDES 0 /* 0, 1: transforms of the cascades */
@@ -131,7 +131,7 @@ struct pel_vec4 {
 #define PEL_STORE_WATER_ROWS 6
 #define PEL_STORE_WATER_PLANES 7
 #define PEL_STORE_UNDER_NEXT 7 /* a second kernel */
-#define PEL_STORE_LINES 0 /* 0, 1: transforms of the cascades */
+#define PEL_STORE_LINES 0      /* 0, 1: transforms of the cascades */
 #define PEL_STORE_MODES 1
 #define PEL_STORE_PROBE 5 /* 5, 6: probes */
 #define PEL_STORE_PROBE_ANSWERS 6
@@ -626,10 +626,10 @@ PEL_BLOCK(PEL_BLOCK_EYE, eye)
 };
 
 /* The sea from high up (render/spacegeometry.h, lib/space.glsl): maps of the
- * light on it by a light's elevation e [rad] as asinh((e + MIDDLE) / WIDTH) from
- * FIRST to LAST (-20 to 90 deg), texels a side; the table of the air of an eye
- * by azimuth from a light and by rows, of sights that meet the ground, of those
- * that pass it, of those that rise; steps along a sight. */
+ * light on it by a light's elevation e [rad] as asinh((e + MIDDLE) / WIDTH)
+ * from FIRST to LAST (-20 to 90 deg), texels a side; the table of the air of an
+ * eye by azimuth from a light and by rows, of sights that meet the ground, of
+ * those that pass it, of those that rise; steps along a sight. */
 #define PEL_SPACE_SUNS 44
 #define PEL_SPACE_SUN_MIDDLE 0.05
 #define PEL_SPACE_SUN_WIDTH 0.25
@@ -644,10 +644,10 @@ PEL_BLOCK(PEL_BLOCK_EYE, eye)
 #if defined(__STDC__) || defined(PEL_SPACE)
 PEL_BLOCK(PEL_BLOCK_SPACE, space)
 {
-    vec4 space_eye; /* x height above the sphere, m; y cosine of the zenith
-                       angle of its horizon; z 1: each point has its own light,
-                       0: that of the nadir; w greatest height of sights that
-                       pass the ground, where they are nearest to it, m */
+    vec4 space_eye;      /* x height above the sphere, m; y cosine of the zenith
+                            angle of its horizon; z 1: each point has its own light,
+                            0: that of the nadir; w greatest height of sights that
+                            pass the ground, where they are nearest to it, m */
     vec4 space_from[3];  /* columns: of the eye's frame into the sphere's */
     vec4 space_earth[3]; /* columns: of the eye's frame into the Earth's axes */
     vec4 space_more;     /* x 1: there is land; y length from which on waves
@@ -1028,10 +1028,10 @@ PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
 #if defined(__STDC__) || defined(PEL_UNDER)
 PEL_BLOCK(PEL_BLOCK_UNDER, under)
 {
-    vec4 under_eye;   /* x depth below the mean sea, m; y the water's surface
-                         above the eye, m; zw its slope there */
-    vec4 under_lens;  /* x 1: the surface crosses the lens; y time, s, of
-                         particles; z particles, 1/m³; w 1: shafts */
+    vec4 under_eye;     /* x depth below the mean sea, m; y the water's surface
+                           above the eye, m; zw its slope there */
+    vec4 under_lens;    /* x 1: the surface crosses the lens; y time, s, of
+                           particles; z particles, 1/m³; w 1: shafts */
     vec4 under_scaled;  /* rgb extinction without the forward peak, 1/m */
     vec4 under_full;    /* rgb extinction, 1/m */
     vec4 under_scatter; /* rgb scattering, 1/m */
@@ -1041,8 +1041,9 @@ PEL_BLOCK(PEL_BLOCK_UNDER, under)
                            kernel */
     vec4 under_ground;  /* rgb albedo of the bottom; w its depth below the mean
                            sea, m */
-    vec4 under_drift;   /* x depth of the eye in the light, m; w variance of slopes that would spread a beam as
-                           the forward peak does */
+    vec4
+        under_drift; /* x depth of the eye in the light, m; w variance of slopes
+                        that would spread a beam as the forward peak does */
     vec4 under_beams[PEL_LIGHTS]; /* xyz towards it, in the water; w irradiance
                                      normal to it for 1 above the surface */
     vec4 under_turns[PEL_UNDER_TURNS + 1]; /* rgb log2 of the phase function
