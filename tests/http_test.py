@@ -336,7 +336,7 @@ class Endpoints(HttpCase):
         self.refused(self.daemon.request("POST", "/v1/surface", many), 400,
                      code="OUT_OF_RANGE", path="points")
         self.refused(self.daemon.request(
-            "POST", "/v1/surface", {"points": [[0, 0], [2e6, 0]]}), 400,
+            "POST", "/v1/surface", {"points": [[0, 0], [3e7, 0]]}), 400,
             code="OUT_OF_RANGE", path="points.1.east", maximum=2.1e7, unit="m")
         self.refused(self.daemon.request(
             "POST", "/v1/surface", {"points": [[0]]}), 400)

@@ -161,7 +161,8 @@ class State(OceanCase):
                  "helm": "OwnShip", "areas": "Area", "fog": "Fog",
                  "track": "TrackPoint", "sectors": "LightSector",
                  "signal": "SignalLamp", "presets": "Preset",
-                 "exercise": "ExerciseRun", "events": "ExerciseDone"}
+                 "exercise": "ExerciseRun", "events": "ExerciseDone",
+                 "at": "Place", "waypoints": "Waypoint"}
         for path, field in self.ocean.fields().items():
             kind = schema.State
             known = None
@@ -416,7 +417,7 @@ class SurfaceQueries(OceanCase):
             with self.assertRaises(ValueError):
                 self.ocean.surface(bad)
         with self.assertRaises(pelagos.OutOfRange):
-            self.ocean.surface([[2e6, 0]])
+            self.ocean.surface([[3e7, 0]])
 
     def test_acceleration_is_of_the_water(self):
         points = np.array([[0, 0], [12, -7], [-30, 40.0]])

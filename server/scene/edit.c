@@ -22,6 +22,10 @@
  * before the limits of the scene are tested. */
 #define MAX_PATCHED 1024
 
+/* Ships keep their true course from edit to edit; but from here on to the pole,
+ * where north turns fast, their great circle. */
+#define POLAR_LATITUDE 85.0
+
 static void fill_scalars(ProtobufCMessage *message)
 {
     for (unsigned i = 0; i < message->descriptor->n_fields; i++) {
@@ -261,11 +265,12 @@ static void reckon(const Pelagos__State *state, Pelagos__Entity *e,
                     seconds, &east, &north);
     if (east != 0 || north != 0) {
         pel_geo_from_local(e->latitude, e->longitude, east, north, &lat, &lon);
-        /* It goes on along its great circle, over which north turns. */
-        double turned =
-            pel_geo_turn(e->latitude, e->longitude, lat, lon) / PEL_DEG;
-        e->heading = wrapped(e->heading - turned);
-        e->course = wrapped(e->course - turned);
+        if (fmax(fabs(lat), fabs(e->latitude)) > POLAR_LATITUDE) {
+            double turned =
+                pel_geo_turn(e->latitude, e->longitude, lat, lon) / PEL_DEG;
+            e->heading = wrapped(e->heading - turned);
+            e->course = wrapped(e->course - turned);
+        }
         e->latitude = lat;
         e->longitude = lon;
     }

@@ -31,7 +31,8 @@ from .schema import (FORMATS, LAYERS, MODEL_CLASSES, VERSION, Area, Clock,
                      Model, ModelInfo, Models, Optics, Origin, OwnShip, Radar,
                      Sea, Seabed, Searchlight, SeenEntity, Sensor, SignalLamp,
                      Sky, Sources, State, Swell, TrackPoint, View, Water, Wave)
-from .schema import ExerciseRun, Preset
+from .schema import (ExerciseRun, LookAt, Orbit, Place, Preset, Satellite,
+                     Waypoint)
 from .series import Series
 from .spectrum import Spectrum
 from .surface import Surface, SurfaceSeries
@@ -44,12 +45,13 @@ __all__ = [
     "Fog", "Forbidden", "FORMATS", "Frame", "FrameTruth", "Frustum", "Geographic",
     "Horizon", "Internal", "Intrinsics", "Invalid", "LabelledEntity", "Labels",
     "LAYERS", "Light", "LightSector", "LiveFrame", "LiveStream", "Local",
-    "Malformed", "MissingPackage", "Model", "MODEL_CLASSES", "ModelInfo",
-    "Models", "NotFound", "Ocean", "Optics", "Origin", "OutOfRange", "OwnShip",
-    "PelagosError", "positions_csv", "Preset", "ProtocolError", "Radar", "read_exr",
-    "Refused", "Sea", "Seabed", "Searchlight", "SeenEntity", "Sensor", "Series", "shot",
+    "LookAt", "Malformed", "MissingPackage", "Model", "MODEL_CLASSES", "ModelInfo",
+    "Models", "NotFound", "Ocean", "Optics", "Orbit", "Origin", "OutOfRange", "OwnShip",
+    "PelagosError", "Place", "positions_csv", "Preset", "ProtocolError", "Radar", "read_exr",
+    "Refused", "Satellite", "Sea", "Seabed", "Searchlight", "SeenEntity", "Sensor", "Series", "shot",
     "SignalLamp", "Sky", "Sources", "Spectrum", "STANDARD_REFRACTION", "State",
     "Surface", "SurfaceSeries", "Swell", "TimedOut", "to_geographic",
     "to_local", "TrackPoint", "Unauthorized", "Unreachable", "VERSION",
     "VideoStream", "View", "ViewHandle", "Views", "Water", "Wave",
+    "Waypoint",
 ]
