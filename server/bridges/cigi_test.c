@@ -211,6 +211,8 @@ static void views_hang_on_entities_when_they_come(void **state)
     assert_near(view("cigi-4")->yaw, 45, 0);
     assert_near(view("bridge")->frustum->left, -40, 0);
     assert_near(view("bridge")->frustum->right, 30, 1e-9);
+    must(scene, "{\"views\":{\"cigi-4\":{\"at\":{\"latitude\":1,"
+                "\"longitude\":2}}}}"); /* a place gives way */
     begin();
     place_ship(30, 52.6, 0);
     with(PEL_CIGI_KIND_VIEW_CONTROL, PEL_CIGI_VIEW_CONTROL_GROUP, 2.0,
@@ -218,6 +220,7 @@ static void views_hang_on_entities_when_they_come(void **state)
          1.0, PEL_CIGI_VIEW_CONTROL_PITCH, -5.0, 0);
     send();
     assert_int_equal(view("cigi-4")->entity, 30);
+    assert_null(view("cigi-4")->at);
     assert_int_equal(view("bridge")->entity, 30);
     assert_near(view("bridge")->pitch, -5, 0);
 }
@@ -244,11 +247,16 @@ static void a_view_outlives_its_entity(void **state)
          PEL_CIGI_VIEW_CONTROL_PITCH, -20.0, 0);
     send();
     camera_of("bridge", &before);
+    /* One that circles about it, one that looks at it. */
+    must(scene, "{\"views\":{\"circles\":{\"orbit\":{\"entity\":1}},"
+                "\"looks\":{\"lookAt\":{\"entity\":1}}}}");
     begin();
     with(PEL_CIGI_KIND_ENTITY_CONTROL, PEL_CIGI_ENTITY_CONTROL_ID, 1.0,
          PEL_CIGI_ENTITY_CONTROL_STATE, 2.0, 0);
     send();
     assert_null(entity(1));
+    assert_null(view("circles")->orbit);
+    assert_null(view("looks")->look_at);
     camera_of("bridge", &after);
     assert_near(after.east_m, before.east_m, 1e-6);
     assert_near(after.north_m, before.north_m, 1e-6);
