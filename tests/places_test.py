@@ -52,7 +52,8 @@ class Places(unittest.TestCase):
         """These views alone; the scene is otherwise the default one."""
         entities = more.pop("entities", [{"id": 1}])
         self.patch({"views": [], "entities": entities})
-        self.patch({"clock": CLOCK, "origin": origin or HOME, "views": views,
+        self.patch({"clock": more.pop("clock", CLOCK),
+                    "origin": origin or HOME, "views": views,
                     "sea": {"windSpeed": 8, "windDirection": 20, "seed": 3,
                             "synthesiser": "FFT", **more.pop("sea", {})},
                     **more})
@@ -151,6 +152,29 @@ class Places(unittest.TestCase):
                                  + ",".join(self.SPOTS) + "&time=10")
         for name, picture in alone.items():
             self.assertIn(picture, answer.body, name)
+
+    def test_the_night_of_the_place(self):
+        """Stars, Moon and airglow off Hawaii as with the origin there."""
+        sky = []
+        for origin in ({"latitude": 20.5, "longitude": -157}, HOME):
+            self.scene([{"name": "v", "width": 240, "height": 160, "pitch": 35,
+                         "fieldOfView": 70, "yaw": 140,
+                         "at": place(20.5, -157)}], origin,
+                       clock={**CLOCK, "utc": "2026-06-22T08:30:00Z"},
+                       sky={"stars": True})
+            sky.append(np.asarray(self.exr("v", "radiance")["radiance"])[:90])
+        a, b = sky
+        self.assertLess(a.mean(), 1e-3)  # by night, with the Moon
+        self.assertGreater(a.max() / np.median(a), 20)
+        off = np.abs(a - b) / a.mean()
+        bright = [set(np.argsort(x[..., 1], axis=None)[-12:]) for x in sky]
+        print(f"  night: {np.percentile(off, 99):.3f} of the mean apart in 99 "
+              f"of 100 pixels, {len(bright[0] & bright[1])} of the 12 "
+              "brightest are the same")
+        # The Milky Way is kept on a grid of some degrees about the eye, which
+        # is turned; stars are where they are.
+        self.assertLess(np.percentile(off, 99), 0.1)
+        self.assertGreaterEqual(len(bright[0] & bright[1]), 10)
 
     def test_far_views_see_what_is_beside_them(self):
         """A buoy 60 m off, 1,000 km and more from the origin: where it is with

@@ -329,7 +329,8 @@ class Fog(Record):
 
 @dataclass(frozen=True)
 class Sky(Record):
-    """Sky."""
+    """What is given of Sun and Moon holds at the origin; views elsewhere have
+    them as they stand there."""
     #: Azimuth of the Sun; absent: from clock.utc and origin. [deg; 0 to 360]
     sunAzimuth: float | None = _field(None, 'deg', 0, 360)
     #: Elevation of the Sun; absent: from clock.utc and origin. [deg; -90 to
@@ -857,7 +858,8 @@ class View(Record):
     tone: str = _field('FILMIC')
     #: Name of a meter, 1 to 64 of A-Z a-z 0-9 _ -: views that name the same,
     #: 12 at most, are exposed alike, by what all of them see, so that they
-    #: match side by side; absent: by what this view sees.
+    #: match side by side, as far as they stand within the same kilometre and
+    #: so have the same light; absent: by what this view sees.
     meter: str | None = _field(None)
     #: Share of the Sun's light that the lens scatters around it: glare. A good
     #: lens has 0.01, an eye some 0.1. [1; 0 to 0.5]
