@@ -54,7 +54,7 @@ class Places(unittest.TestCase):
         self.patch({"views": [], "entities": entities})
         self.patch({"clock": more.pop("clock", CLOCK),
                     "origin": origin or HOME, "views": views,
-                    "sea": {"windSpeed": 8, "windDirection": 20, "seed": 3,
+                    "sea": {"windSpeed": 8, "windDirection": 20, "seed": 3, "swell": [],
                             "synthesiser": "FFT", **more.pop("sea", {})},
                     **more})
 
