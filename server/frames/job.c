@@ -35,6 +35,7 @@ static void stand_place(struct pel_job *job, struct pel_job_place *there)
 {
     struct pel_environment *env = &there->environment;
     const struct pel_place *place = &there->place;
+    pel_place_settle(job->snapshot, &there->place);
     *env = job->environment;
     pel_environment_light_at(job->snapshot, place, env);
     if (hypot(place->east_m - env->own_east_m,
@@ -126,9 +127,9 @@ double pel_job_turned(const struct pel_job *job, size_t draw)
 void pel_job_settle_place(struct pel_job *job, size_t draw)
 {
     struct pel_job_draw *part = &job->parts[draw];
-    struct pel_place place;
-    pel_snapshot_view_place(job->snapshot, part->view, job->environment.time_s,
-                            &job->draws[draw].camera, &place);
+    struct pel_place place = pel_snapshot_view_square(job->snapshot, part->view,
+                                                      job->environment.time_s,
+                                                      &job->draws[draw].camera);
     part->place = 0;
     if (place.origin) {
         return;

@@ -38,9 +38,9 @@ static void place_camera(const struct pel_snapshot *s, size_t index,
     };
 }
 
-void pel_snapshot_view_place(const struct pel_snapshot *s, size_t index,
-                             double time_s, const struct pel_camera *camera,
-                             struct pel_place *out)
+struct pel_place pel_snapshot_view_square(const struct pel_snapshot *s,
+                                          size_t index, double time_s,
+                                          const struct pel_camera *camera)
 {
     const struct pel_view_state *view = &s->views[index];
     double east = camera->east_m, north = camera->north_m;
@@ -53,7 +53,7 @@ void pel_snapshot_view_place(const struct pel_snapshot *s, size_t index,
         east = e.east_m;
         north = e.north_m;
     }
-    pel_place_of(s, east, north, out);
+    return pel_place_square(east, north);
 }
 
 /* The windows of a view's meter that have its light, which is another where
@@ -62,12 +62,11 @@ static void place_sights(const struct pel_snapshot *s, size_t index,
                          double time_s, bool in_wakes, struct pel_camera *out)
 {
     const char *meter = s->views[index].meter;
-    struct pel_place place, other;
     out->sight_count = 0;
     if (!meter[0]) {
         return;
     }
-    pel_snapshot_view_place(s, index, time_s, out, &place);
+    struct pel_place place = pel_snapshot_view_square(s, index, time_s, out);
     for (size_t i = 0; i < s->view_count; i++) {
         struct pel_camera c;
         if (out->sight_count == PEL_METER_SIGHTS ||
@@ -76,7 +75,7 @@ static void place_sights(const struct pel_snapshot *s, size_t index,
         }
         c.lens = s->views[i].lens;
         place_camera(s, i, time_s, in_wakes, &c);
-        pel_snapshot_view_place(s, i, time_s, &c, &other);
+        struct pel_place other = pel_snapshot_view_square(s, i, time_s, &c);
         if (pel_place_same(&place, &other)) {
             out->sights[out->sight_count++] =
                 (struct pel_sight){ c.world_from_camera, c.altitude_m,

@@ -26,36 +26,48 @@ static struct pel_vec3 within(const struct pel_mat3 *axes, struct pel_vec3 v)
                               pel_vec3_dot(axes->z, v) };
 }
 
-void pel_place_of(const struct pel_snapshot *s, double east_m, double north_m,
-                  struct pel_place *out)
+struct pel_place pel_place_square(double east_m, double north_m)
 {
-    double lat0 = origin_lat(s), lon0 = origin_lon(s);
-    *out = (struct pel_place){
+    struct pel_place place = {
+        .far = hypot(east_m, north_m) > PEL_PLACE_MAP_M,
         .east_m = PEL_PLACE_SIDE_M * round(east_m / PEL_PLACE_SIDE_M),
         .north_m = PEL_PLACE_SIDE_M * round(north_m / PEL_PLACE_SIDE_M),
     };
-    out->origin = out->east_m == 0 && out->north_m == 0;
-    if (out->origin) {
+    if (place.far) {
+        place.east_m = east_m;
+        place.north_m = north_m;
+    }
+    place.origin = place.east_m == 0 && place.north_m == 0;
+    return place;
+}
+
+void pel_place_settle(const struct pel_snapshot *s, struct pel_place *place)
+{
+    double lat0 = origin_lat(s), lon0 = origin_lon(s);
+    if (place->origin) {
         return;
     }
-    out->far = hypot(east_m, north_m) > PEL_PLACE_MAP_M;
-    if (out->far) {
-        out->east_m = east_m;
-        out->north_m = north_m;
-    }
-    pel_geo_from_local(lat0, lon0, out->east_m, out->north_m, &out->latitude,
-                       &out->longitude);
-    out->turned_rad = pel_geo_turn(lat0, lon0, out->latitude, out->longitude);
+    pel_geo_from_local(lat0, lon0, place->east_m, place->north_m,
+                       &place->latitude, &place->longitude);
+    place->turned_rad =
+        pel_geo_turn(lat0, lon0, place->latitude, place->longitude);
     const struct pel_mat3 there =
-        pel_geo_local_axes(lat0, lon0, out->latitude, out->longitude);
+        pel_geo_local_axes(lat0, lon0, place->latitude, place->longitude);
     const struct pel_mat3 here = pel_geo_axes(lat0, lon0);
-    out->turned =
+    place->turned =
         (struct pel_mat3){ within(&there, here.x), within(&there, here.y),
                            within(&there, here.z) };
-    struct pel_vec3 from = pel_geo_earth(out->latitude, out->longitude, 0);
+    struct pel_vec3 from = pel_geo_earth(place->latitude, place->longitude, 0);
     struct pel_vec3 origin = pel_geo_earth(lat0, lon0, 0);
-    out->from_m =
+    place->from_m =
         within(&there, pel_vec3_add(origin, pel_vec3_scale(from, -1)));
+}
+
+void pel_place_of(const struct pel_snapshot *s, double east_m, double north_m,
+                  struct pel_place *out)
+{
+    *out = pel_place_square(east_m, north_m);
+    pel_place_settle(s, out);
 }
 
 static struct pel_vec3 body_from(const struct pel_place *place,

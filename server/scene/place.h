@@ -36,8 +36,13 @@ struct pel_place {
         from_m; /* the origin seen from here, in this place's axes */
 };
 
-/* Of the square that a place of the local frame is in. Far places have none:
- * what is seen from there stands about the place itself. */
+/* The square that a place of the local frame is in: origin, far, east_m and
+ * north_m, at once. Far places have none: what is seen from there stands about
+ * the place itself. */
+struct pel_place pel_place_square(double east_m, double north_m);
+/* The rest of it, some microseconds. */
+void pel_place_settle(const struct pel_snapshot *s, struct pel_place *place);
+/* Both. */
 void pel_place_of(const struct pel_snapshot *s, double east_m, double north_m,
                   struct pel_place *out);
 

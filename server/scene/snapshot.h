@@ -328,10 +328,10 @@ struct pel_camera {
 void pel_snapshot_camera(const struct pel_snapshot *s, size_t index,
                          double time_s, uint32_t width, uint32_t height,
                          struct pel_camera *out);
-/* The place whose light such a camera has. */
-void pel_snapshot_view_place(const struct pel_snapshot *s, size_t index,
-                             double time_s, const struct pel_camera *camera,
-                             struct pel_place *out);
+/* The place whose light such a camera has, its square (place.h). */
+struct pel_place pel_snapshot_view_square(const struct pel_snapshot *s,
+                                          size_t index, double time_s,
+                                          const struct pel_camera *camera);
 /* Places such a camera in the ship waves; not the control thread. */
 void pel_snapshot_camera_in_wakes(const struct pel_snapshot *s, size_t index,
                                   double time_s, struct pel_camera *camera);

@@ -436,7 +436,10 @@ static void entity_there(const struct pel_snapshot *s, size_t index,
 {
     struct pel_place place;
     pel_snapshot_entity_level(s, index, time_s, out);
-    pel_place_of(s, out->east_m, out->north_m, &place);
+    place = pel_place_square(out->east_m, out->north_m);
+    if (place.far) {
+        pel_place_settle(s, &place);
+    }
     pel_snapshot_entity_seen(s, index, time_s, in_wakes, &place, out);
 }
 
