@@ -28,7 +28,7 @@
 #include "lib/haze.glsl"
 #include "lib/seabed.glsl"
 #include "lib/cut.glsl"
-#ifdef PEL_OBJECTS
+#if defined(PEL_OBJECTS) || defined(PEL_ABOVE)
 #include "lib/objects.glsl"
 #endif
 layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
@@ -54,7 +54,76 @@ shaded as_shaded(under_light l)
     return result;
 }
 
-#ifndef PEL_OBJECTS
+// Of the surface in a pixel: its mean normal, towards whose back one looks, and
+// the variance of its slopes.
+vec3 surface_normal(ivec2 at, vec3 ray, vec3 sight, float s, out vec2 variance)
+{
+    uint triangle = texelFetch(triangles, at, 0).r;
+    vec3 place = s * sight;
+    cut hit = cut_triangle(ray, triangle);
+    vec2 x = triangle == 0u ? place.xy : hit.x;
+    vec3 facet = triangle == 0u ? vec3(0.0, 0.0, 1.0) : hit.facet;
+    float facing = max(abs(dot(facet, sight)), 0.05);
+    float footprint = max(s * pixel.x * pow(facing, -PEL_FOOTPRINT_ALONG), 1e-3);
+    filtered f = filtered_sea(x, footprint);
+#ifdef PEL_WAKES
+    wake_shift wake = wake_at(place.xy - wake_at(place.xy, footprint).d.xy, footprint);
+    add_wakes(wake, f);
+#endif
+    vec3 n = filtered_normal(f);
+    variance = variance_left(footprint);
+#ifdef PEL_AREAS
+    variance = area_variance(variance, f.up);
+#endif
+#ifdef PEL_WAKES
+    variance += wake_variance(wake.lost);
+#endif
+    // A patch that the mesh shows and the waves hide is seen edge on.
+    float turned = dot(n, sight);
+    return turned < 0.02 ? normalize(n + (0.02 - turned) * sight) : n;
+}
+
+#ifdef PEL_ABOVE
+layout(binding = PEL_UNIT_UNDER_ABOVE) uniform usampler2D objects_above; // of under_above.vert
+
+// What a thing above the surface adds to the sky in whose place it is seen: where
+// a level surface shows light of the direction that the waves here refract.
+vec3 under_above(ivec2 at, vec3 ray, vec3 sight)
+{
+    vec4 found = texelFetch(under_found, at, 0);
+    if (found.y != PEL_UNDER_SURFACE) {
+        return vec3(0.0);
+    }
+    float s = found.x, index = sqrt(refraction.g);
+    vec2 variance;
+    vec3 n = surface_normal(at, ray, sight, s, variance);
+    float c = dot(n, sight);
+    float k = 1.0 - refraction.g * (1.0 - c * c);
+    if (k <= 0.0) {
+        return vec3(0.0);
+    }
+    float cosine = sqrt(k);
+    vec3 out_ = normalize(index * sight + (cosine - index * c) * n);
+    vec3 level = vec3(out_.xy / index, sqrt(1.0 - dot(out_.xy, out_.xy) / refraction.g));
+    vec2 place = vec2(dot(level, right.xyz), -dot(level, up.xyz)) / (-dot(level, back.xyz) * pixel.xy) - pixel.zw;
+    bool inside = dot(level, back.xyz) < 0.0 && all(greaterThanEqual(place, vec2(0.0))) &&
+                  all(lessThan(place, size.xy));
+    uvec2 number = texelFetch(objects_above, ivec2(inside ? place : vec2(0.0)), 0).rg;
+    if (!inside || number.x == 0u || out_.z <= 0.0) {
+        return vec3(0.0);
+    }
+    vec3 from = s * sight;
+    object_point_seen point = cut_object(from, out_, number);
+    object_lit light = object_light(point, int(number.x) - 1, from + point.place, out_);
+    vec2 uv = out_.xy / (1.0 + out_.z) * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
+    vec3 sky = textureLod(reflection_map, uv, 1.0).rgb;
+    // Towards the window's edge the pixel's other facets show less of it.
+    float shown = smoothstep(0.0, 0.3, k);
+    return shown * under_left(s) * (1.0 - facet_reflectance(cosine)) * refraction.g * (light.by_lights + light.by_sky - sky);
+}
+#endif
+
+#if !defined(PEL_OBJECTS) && !defined(PEL_ABOVE) && !defined(PEL_MOTES)
 // Whatever lies there but objects, as under_find.frag has found it.
 shaded under_scene(ivec2 at, vec3 ray, vec3 sight)
 {
@@ -64,29 +133,9 @@ shaded under_scene(ivec2 at, vec3 ray, vec3 sight)
     vec3 place = s * sight;
     under_light beyond = UNDER_DARK;
     shaded facts = only_light(vec3(0.0));
-    uint triangle = texelFetch(triangles, at, 0).r;
     if (surface) {
-        cut hit = cut_triangle(ray, triangle);
-        vec2 x = triangle == 0u ? place.xy : hit.x;
-        vec3 facet = triangle == 0u ? vec3(0.0, 0.0, 1.0) : hit.facet;
-        float facing = max(abs(dot(facet, sight)), 0.05);
-        float footprint = max(s * pixel.x * pow(facing, -PEL_FOOTPRINT_ALONG), 1e-3);
-        filtered f = filtered_sea(x, footprint);
-#ifdef PEL_WAKES
-        wake_shift wake = wake_at(place.xy - wake_at(place.xy, footprint).d.xy, footprint);
-        add_wakes(wake, f);
-#endif
-        vec3 n = filtered_normal(f);
-        vec2 variance = variance_left(footprint);
-#ifdef PEL_AREAS
-        variance = area_variance(variance, f.up);
-#endif
-#ifdef PEL_WAKES
-        variance += wake_variance(wake.lost);
-#endif
-        // A patch that the mesh shows and the waves hide is seen edge on.
-        float turned = dot(n, sight);
-        n = turned < 0.02 ? normalize(n + (0.02 - turned) * sight) : n;
+        vec2 variance;
+        vec3 n = surface_normal(at, ray, sight, s, variance);
         under_surface_seen seen = under_surface(sight, place, s, n, variance, found.w);
         beyond = seen.light;
 #ifdef PEL_LAYERS
@@ -114,7 +163,7 @@ shaded under_scene(ivec2 at, vec3 ray, vec3 sight)
 #endif
     return result;
 }
-#else
+#elif defined(PEL_OBJECTS)
 shaded under_hull(vec3 ray, uvec2 number, vec3 shafts_)
 {
     vec3 sight = normalize(ray), matt;
@@ -197,6 +246,12 @@ void main()
     if (hulls == 0.0) {
         discard;
     }
+#elif defined(PEL_ABOVE)
+    const float hulls = 0.0;
+    shaded s = only_light(under_above(at, ray, sight));
+#elif defined(PEL_MOTES)
+    const float hulls = 0.0;
+    shaded s = only_light(under_motes_seen(sight, texelFetch(under_found, at, 0).x));
 #else
     const float hulls = 1.0;
     shaded s = under_scene(at, ray, sight);

@@ -35,6 +35,7 @@ views.gallery.pitch=-11 views.gallery.yaw=35 water.named=TROPICAL water.bottom=S
 ship="sea.synthesiser=FFT sea.spectrum=ELFOUHAILY entities.2.longitude=5.2 entities.2.afloat=true"
 # One path from the water to space.
 climb="origin.latitude=38 origin.longitude=-32 sea.windSpeed=7 sky.sunElevation=42 sky.sunAzimuth=62 sky.visibility=80000 views.gallery.yaw=40"
+under="sea.synthesiser=FFT sea.windSpeed=5 sky.sunElevation=60 sky.sunAzimuth=0 views.gallery.fieldOfView=90"
 pictures=(
     "ship-yacht|A yacht in the evening, 7 m/s|$ship sea.windSpeed=7 views.gallery.up=5 views.gallery.pitch=-2 sky.sunElevation=9 sky.sunAzimuth=352 entities.2.model.name=sailing-yacht entities.2.latitude=52.6007 entities.2.longitude=5.2001 entities.2.heading=300"
     "ship-container|A container ship 400 m ahead, 12 m/s|$ship sea.windSpeed=12 sea.windDirection=200 views.gallery.up=14 views.gallery.pitch=-2 sky.sunElevation=24 sky.sunAzimuth=310 entities.2.model.name=container-ship entities.2.latitude=52.6037 entities.2.heading=235"
@@ -96,6 +97,13 @@ pictures=(
     "water-baltic|The Baltic|$lagoon water.named=BALTIC"
     "water-harbour|A harbour|$lagoon water.named=HARBOUR water.depth=8 water.bottom=MUD"
     "wash-250|The wash of a container ship at 15 knots, from 250 m|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=7 sky.sunElevation=38 sky.sunAzimuth=350 clock.time=900 clock.reckoning=1000 entities.2.wash=true entities.2.model.name=container-ship entities.2.heading=60 entities.2.course=60 entities.2.speed=7.5 entities.2.poseTime=0 entities.2.latitude=52.5747 entities.2.longitude=5.1173 views.gallery.up=250 views.gallery.pitch=-24"
+    "under-up|Under the surface, 1.5 m down: Snell's window, 5 m/s|$under views.gallery.up=-1.5 views.gallery.pitch=55"
+    "under-10m|10 m down, looking up|$under views.gallery.up=-10 views.gallery.pitch=45"
+    "under-40m|40 m down in tropical water, looking up|$under water.named=TROPICAL views.gallery.up=-40 views.gallery.pitch=40"
+    "under-bottom|Sand under 5 m of tropical water, 2 m down|$under sea.windSpeed=4 water.named=TROPICAL water.bottom=SAND water.depth=5 views.gallery.up=-2 views.gallery.pitch=-12"
+    "under-hull|A yacht's hull from below|$ship sea.windSpeed=3 sky.sunElevation=55 views.gallery.up=-4 views.gallery.pitch=25 views.gallery.fieldOfView=80 water.named=TROPICAL entities.2.model.name=sailing-yacht entities.2.latitude=52.60009 entities.2.longitude=5.2 entities.2.heading=300"
+    "under-split|A lens that a wave crosses, tropical water over sand|$under sea.windSpeed=6 water.named=TROPICAL water.bottom=SAND water.depth=6 views.gallery.up=SPLIT views.gallery.pitch=0"
+    "under-particles|Particles in coastal water, 4 m down|$under water.jerlov=COASTAL_1 water.particles=150 views.gallery.up=-4 views.gallery.pitch=8"
     "bow|The bow wave of a container ship at 20 knots, 60 m off|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=5 sky.sunElevation=40 sky.sunAzimuth=120 clock.time=900 clock.reckoning=1000 entities.2.wake=true entities.2.wash=true entities.2.model.name=container-ship entities.2.heading=90 entities.2.course=90 entities.2.speed=10.29 entities.2.poseTime=0 entities.2.latitude=52.600539 entities.2.longitude=5.061038 views.gallery.up=22 views.gallery.pitch=-19 views.gallery.yaw=-28"
 )
 mkdir -p "$out"

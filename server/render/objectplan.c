@@ -526,7 +526,7 @@ static void plan_levels(struct pel_object_drawn *d,
 }
 
 bool pel_objects_plan(struct pel_objects *o, const struct pel_environment *env,
-                      const struct pel_camera *c, uint32_t *tiles)
+                      const struct pel_camera *c, bool through, uint32_t *tiles)
 {
     double eye_m = c->altitude_m;
     double px[PEL_MAX_ENTITIES];
@@ -545,12 +545,14 @@ bool pel_objects_plan(struct pel_objects *o, const struct pel_environment *env,
         int box[4], rank = rank_of(px, env->object_count, i);
         corners_of(env, object, c, -HUGE_VAL, corners);
         d->object = (int)i;
-        d->seen = px[i] >= LEAST_PX && box_of(corners, c, eye_m, box);
+        const bool straight =
+            px[i] >= LEAST_PX && box_of(corners, c, eye_m, box);
+        d->seen = straight || (through && px[i] >= LEAST_PX);
         plan_beside(d, env, c, rank, px[i], tiles);
         if (!d->seen && !d->shades && !d->mirrored) {
             continue;
         }
-        if (d->seen) {
+        if (straight) {
             mark_tiles(c, box, PEL_TILE_OBJECTS, tiles);
         }
         d->model = pel_model_pool_find(&o->pool, object->model);

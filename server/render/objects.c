@@ -508,6 +508,18 @@ static void draw_seen(struct pel_objects *o, const struct pel_block_view *view,
     glDisable(GL_CULL_FACE);
 }
 
+void pel_objects_draw(const struct pel_objects *o,
+                      const struct pel_block_view *view, GLuint program)
+{
+    glUseProgram(program);
+    open_window(view);
+    for (int i = 0; i < o->drawn_count; i++) {
+        if (o->drawn[i].seen) {
+            draw_level(o, i, o->drawn[i].level);
+        }
+    }
+}
+
 void pel_objects_raster(struct pel_objects *o,
                         const struct pel_environment *env,
                         const struct pel_camera *camera,

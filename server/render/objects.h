@@ -94,11 +94,18 @@ void pel_objects_use(const struct pel_objects *o, unsigned tile, bool one);
 /* Room in the arena for the objects of a picture. */
 size_t pel_objects_bytes(const struct pel_environment *env);
 
+/* Triangles of all that is in sight, by a program like object.vert's, into what
+ * is bound. */
+void pel_objects_draw(const struct pel_objects *o,
+                      const struct pel_block_view *view, GLuint program);
+
 /* What of `env` the picture of this camera may show, its altitude above the
- * sea's zero; marks its tiles (render/tiles.h). False: from here nothing can be
+ * sea's zero; `through`: also what is seen elsewhere, through the surface;
+ * marks its tiles (render/tiles.h). False: from here nothing can be
  * seen in any direction, so that pictures of one lattice agree. */
 bool pel_objects_plan(struct pel_objects *o, const struct pel_environment *env,
-                      const struct pel_camera *camera, uint32_t *tiles);
+                      const struct pel_camera *camera, bool through,
+                      uint32_t *tiles);
 
 /* The light that surrounds objects: `sky` is up to date. */
 void pel_objects_light(struct pel_objects *o, const struct pel_sky *sky);

@@ -78,9 +78,10 @@ struct pel_environment {
     /* Depths to have the water's light for, over a bottom that is not flat;
      * levels 0: that of `water` alone. */
     struct pel_water_depths depths;
-    const struct pel_seabed *seabed;  /* NULL: flat, at the water's depth */
-    bool caustics;                    /* the waves focus light on it */
-    bool sparkle;                     /* of the glitter: blocks.h */
+    const struct pel_seabed *seabed; /* NULL: flat, at the water's depth */
+    double particles_m3; /* suspended ones that an eye under water sees */
+    bool caustics;       /* the waves focus light on it */
+    bool sparkle;        /* of the glitter: blocks.h */
     const struct pel_object *objects; /* things on the sea that are drawn */
     size_t object_count;
     const struct pel_lamp *lamps; /* lit, optics/lamp.h */

@@ -85,7 +85,7 @@ static enum pel_err need(struct pel_under_map *map, const char *shader_dir,
     return PEL_OK;
 }
 
-enum part { SHAFTS, FIND, SCENE, HULLS };
+enum part { SHAFTS, FIND, SCENE, MOTES, HULLS, ABOVE, PARTS };
 
 static void defines_of(const struct pel_environment *env,
                        const struct pel_programs *p, enum part part,
@@ -95,7 +95,9 @@ static void defines_of(const struct pel_environment *env,
         [SHAFTS] = "#define PEL_SHAFT\n",
         [FIND] = "#define PEL_FIND\n",
         [SCENE] = "",
+        [MOTES] = "#define PEL_MOTES\n",
         [HULLS] = "#define PEL_OBJECTS\n",
+        [ABOVE] = "#define PEL_ABOVE\n",
     };
     const bool shades = part >= SCENE;
     char surface[PEL_SURFACE_TEXT];
@@ -104,7 +106,7 @@ static void defines_of(const struct pel_environment *env,
              shades ? pel_shading_defines(kind) : "",
              shades ? pel_light_program_defines(env) : "",
              env->seabed && part != SHAFTS ? "#define PEL_SEABED\n" : "",
-             part == HULLS && p->textured ? "#define PEL_TEXTURED\n" : "");
+             part >= HULLS && p->textured ? "#define PEL_TEXTURED\n" : "");
 }
 
 enum pel_err pel_under_map_need(struct pel_under_map *map,
@@ -118,16 +120,39 @@ enum pel_err pel_under_map_need(struct pel_under_map *map,
         err = pel_program_create(p->shader_dir, "under_map.comp", NULL, NULL,
                                  &map->map_program, fault);
     }
-    const int parts = env->object_count ? HULLS : SCENE;
-    for (int i = 0; i <= parts && err == PEL_OK; i++) {
-        static const char *const files[] = { "under_shafts.comp",
-                                             "under_find.frag", "under.frag",
-                                             "under.frag" };
-        defines_of(env, p, (enum part)i, kind, defines);
-        err = need(map, p->shader_dir, i == SHAFTS ? files[i] : "screen.vert",
-                   i == SHAFTS ? NULL : files[i], defines, fault);
+    if (err == PEL_OK && env->object_count && !map->above_program) {
+        err = pel_program_create(p->shader_dir, "under_above.vert",
+                                 "under_above.frag", NULL, &map->above_program,
+                                 fault);
+    }
+    static const char *const files[PARTS] = { "under_shafts.comp",
+                                              "under_find.frag" };
+    const bool wanted[PARTS] = { true,
+                                 true,
+                                 true,
+                                 env->particles_m3 > 0,
+                                 env->object_count > 0,
+                                 env->object_count > 0 };
+    for (int i = 0; i < PARTS && err == PEL_OK; i++) {
+        const char *file = files[i] ? files[i] : "under.frag";
+        const bool added = i == MOTES || i == ABOVE;
+        defines_of(env, p, (enum part)i, added ? PEL_SHADE_LIGHT : kind,
+                   defines);
+        if (wanted[i]) {
+            err = need(map, p->shader_dir, i == SHAFTS ? file : "screen.vert",
+                       i == SHAFTS ? NULL : file, defines, fault);
+        }
     }
     return err;
+}
+
+static void finish_found(struct pel_under_map *map)
+{
+    const GLuint textures[] = { map->found, map->above, map->above_depth };
+    const GLuint fbos[] = { map->found_fbo, map->above_fbo };
+    glDeleteTextures(3, textures);
+    glDeleteFramebuffers(2, fbos);
+    map->above = map->above_depth = map->above_fbo = 0;
 }
 
 void pel_under_map_finish(struct pel_under_map *map)
@@ -138,8 +163,8 @@ void pel_under_map_finish(struct pel_under_map *map)
     glDeleteProgram(map->map_program);
     glDeleteTextures(1, &map->map);
     glDeleteTextures(1, &map->shafts);
-    glDeleteTextures(1, &map->found);
-    glDeleteFramebuffers(1, &map->found_fbo);
+    finish_found(map);
+    glDeleteProgram(map->above_program);
     glDeleteBuffers(2, map->kernels);
     memset(map, 0, sizeof *map);
 }
@@ -302,6 +327,25 @@ static double depth_in_light(const struct pel_environment *env,
     return fmax(depth + raised * near, 0.0);
 }
 
+/* They sink, and drift with the wind's stir. */
+static struct pel_vec4 motes_at(const struct pel_environment *env,
+                                const struct pel_camera *c)
+{
+    const double sinks_mps = 1e-3, drifts_mps = 0.02;
+    double side = pow(env->particles_m3, -1.0 / 3.0), t = env->time_s;
+    const double at[3] = {
+        c->east_m - drifts_mps * t * cos(env->wind_to_rad),
+        c->north_m - drifts_mps * t * sin(env->wind_to_rad),
+        c->altitude_m + sinks_mps * t,
+    };
+    double cell[3];
+    for (int i = 0; i < 3; i++) {
+        cell[i] = at[i] / side -
+                  PEL_MOTE_CELLS * floor(at[i] / side / PEL_MOTE_CELLS);
+    }
+    return vec4(cell[0], cell[1], cell[2], side);
+}
+
 static void fill_block(const struct pel_under_map *map,
                        const struct pel_environment *env,
                        const struct pel_sky *sky, const struct pel_camera *c,
@@ -328,6 +372,9 @@ static void fill_block(const struct pel_under_map *map,
         .under_drift = vec4(depth_in_light(env, c, place), FACETS, 0.0,
                             m->peak_square / (TURNED * TURNED)),
     };
+    if (env->particles_m3 > 0) {
+        out->under_motes = motes_at(env, c);
+    }
     for (int i = 0; i < env->lit; i++) {
         const struct pel_vec3 to = env->lights[i].direction;
         double x = to.x / PEL_WATER_INDEX, y = to.y / PEL_WATER_INDEX;
@@ -391,8 +438,7 @@ static void fit_found(struct pel_under_map *map, const struct pel_targets *t)
     if (map->width == t->width && map->height == t->height) {
         return;
     }
-    glDeleteTextures(1, &map->found);
-    glDeleteFramebuffers(1, &map->found_fbo);
+    finish_found(map);
     map->width = t->width;
     map->height = t->height;
     glCreateTextures(GL_TEXTURE_2D, 1, &map->found);
@@ -404,6 +450,47 @@ static void fit_found(struct pel_under_map *map, const struct pel_targets *t)
     glCreateFramebuffers(1, &map->found_fbo);
     glNamedFramebufferTexture(map->found_fbo, GL_COLOR_ATTACHMENT0, map->found,
                               0);
+}
+
+static void fit_above(struct pel_under_map *map)
+{
+    if (map->above) {
+        return;
+    }
+    glCreateTextures(GL_TEXTURE_2D, 1, &map->above);
+    glTextureStorage2D(map->above, 1, GL_RG32UI, (GLsizei)map->width,
+                       (GLsizei)map->height);
+    glTextureParameteri(map->above, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(map->above, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glObjectLabel(GL_TEXTURE, map->above, -1, "objects above water");
+    glCreateTextures(GL_TEXTURE_2D, 1, &map->above_depth);
+    glTextureStorage2D(map->above_depth, 1, GL_DEPTH_COMPONENT32F,
+                       (GLsizei)map->width, (GLsizei)map->height);
+    glCreateFramebuffers(1, &map->above_fbo);
+    glNamedFramebufferTexture(map->above_fbo, GL_COLOR_ATTACHMENT0, map->above,
+                              0);
+    glNamedFramebufferTexture(map->above_fbo, GL_DEPTH_ATTACHMENT,
+                              map->above_depth, 0);
+}
+
+static void find_above(struct pel_under_map *map,
+                       const struct pel_objects *objects,
+                       const struct pel_block_view *view)
+{
+    static const GLfloat far_away = 0.0f;
+    static const GLuint none[4] = { 0 };
+    fit_above(map);
+    glDepthMask(GL_TRUE);
+    glClearNamedFramebufferfv(map->above_fbo, GL_DEPTH, 0, &far_away);
+    glClearNamedFramebufferuiv(map->above_fbo, GL_COLOR, 0, none);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, map->above_fbo);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_GREATER);
+    pel_objects_draw(objects, view, map->above_program);
+    glDisable(GL_DEPTH_TEST);
+    glDepthMask(GL_FALSE);
+    glViewport(0, 0, (GLsizei)view->size.x, (GLsizei)view->size.y);
+    glBindTextureUnit(PEL_UNIT_UNDER_ABOVE, map->above);
 }
 
 static void use(struct pel_under_map *map, const struct pel_environment *env,
@@ -424,7 +511,9 @@ static void draw_light(struct pel_under_map *map,
 {
     const struct pel_pass light = pel_pass_first(PEL_LAYER_RADIANCE, false);
     glEnable(GL_BLEND);
-    glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO,
+    /* What is above adds to the sky in the window. */
+    glBlendFuncSeparate(GL_ONE, part == ABOVE ? GL_ONE : GL_ONE_MINUS_SRC_ALPHA,
+                        GL_ZERO,
                         part == HULLS ? GL_ONE_MINUS_SRC_ALPHA : GL_ONE);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, pel_targets_attach(targets, &light));
     use(map, env, p, part, light.kind);
@@ -455,7 +544,8 @@ void pel_under_map_draw(struct pel_under_map *map,
                         const struct pel_environment *env,
                         const struct pel_programs *p,
                         struct pel_targets *targets, unsigned asked,
-                        bool crossed, bool objects)
+                        bool crossed, const struct pel_objects *objects,
+                        const struct pel_block_view *view)
 {
     fit_found(map, targets);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, targets->triangles);
@@ -469,7 +559,12 @@ void pel_under_map_draw(struct pel_under_map *map,
     }
     draw_layers(map, env, p, SCENE, targets, asked, !crossed);
     if (objects) {
+        find_above(map, objects, view);
+        draw_light(map, env, p, ABOVE, targets);
         draw_light(map, env, p, HULLS, targets);
         draw_layers(map, env, p, HULLS, targets, asked, false);
+    }
+    if (env->particles_m3 > 0) {
+        draw_light(map, env, p, MOTES, targets);
     }
 }

@@ -9,6 +9,7 @@
 
 #include "optics/underlight.h"
 #include "render/arena.h"
+#include "render/objects.h"
 #include "render/programs.h"
 #include "render/renderer.h"
 #include "render/sky.h"
@@ -51,8 +52,10 @@ struct pel_under_map {
     int program_count;
     GLuint map_program;
     GLuint map, shafts;
-    GLuint found, found_fbo; /* what lines of sight meet */
-    uint32_t width, height;  /* of these */
+    GLuint found, found_fbo;              /* what lines of sight meet */
+    GLuint above, above_depth, above_fbo; /* objects through a level surface */
+    GLuint above_program;
+    uint32_t width, height; /* of these */
     GLuint kernels[2];
     double kernel_depth_m[2]; /* of the water that each is of; 0: none */
     uint64_t used[2], uses;
@@ -88,9 +91,11 @@ void pel_under_map_shafts(struct pel_under_map *map,
                           const struct pel_programs *programs);
 
 /* Draws its pixels into the targets; `asked`: the layers without the colour.
- * The mesh of the eye is in targets.triangles, any objects are rasterised. */
+ * The mesh of the eye is in targets.triangles, objects (NULL: none) are
+ * rasterised. Leaves the viewport as it was. */
 void pel_under_map_draw(struct pel_under_map *map,
                         const struct pel_environment *env,
                         const struct pel_programs *programs,
                         struct pel_targets *targets, unsigned asked,
-                        bool crossed, bool objects);
+                        bool crossed, const struct pel_objects *objects,
+                        const struct pel_block_view *view);

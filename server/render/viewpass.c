@@ -183,7 +183,7 @@ static void plan_tiles(struct pel_renderer *r,
     still = still && pel_still_tiles(env, whole, r->tiles);
     r->still = still ? pel_programs_still(&r->programs, env->sea) : NULL;
     r->any_objects = env->object_count &&
-                     pel_objects_plan(&r->objects, env, whole, r->tiles);
+                     pel_objects_plan(&r->objects, env, whole, false, r->tiles);
     if (r->any_coast || r->any_objects || r->still) {
         pel_band_tiles(whole, v->band, r->tiles);
     }
@@ -197,8 +197,9 @@ static void plan_tiles_under(struct pel_renderer *r,
     memset(r->tiles, PEL_COAST_NONE, sizeof r->tiles);
     r->any_coast = false;
     r->still = NULL;
-    r->any_objects = env->object_count &&
-                     pel_objects_plan(&r->objects, env, &v->whole, r->tiles);
+    r->any_objects =
+        env->object_count &&
+        pel_objects_plan(&r->objects, env, &v->whole, true, r->tiles);
     if (r->any_objects) {
         pel_band_tiles(&v->whole, v->band, r->tiles);
     }
@@ -604,7 +605,8 @@ static void draw_in_water(struct pel_renderer *r,
     }
     over_all(v);
     pel_under_map_draw(&r->under, env, &r->programs, &r->targets, now,
-                       v->lens.state == PEL_LENS_CROSSED, r->any_objects);
+                       v->lens.state == PEL_LENS_CROSSED,
+                       r->any_objects ? &r->objects : NULL, &v->block);
     if (r->programs.compute) {
         glClearNamedBufferData(r->targets.keys, GL_R32UI, GL_RED_INTEGER,
                                GL_UNSIGNED_INT, NULL);

@@ -103,9 +103,10 @@ struct pel_vec4 {
 #define PEL_UNIT_WATER_ATTENUATION 14
 #define PEL_UNIT_NIGHT 34    /* 32 and up: what few pictures have */
 #define PEL_UNIT_PANORAMA 34 /* of pictures without the night's */
-#define PEL_UNIT_UNDER 35    /* of an eye under water, 35, 40 and 41 */
+#define PEL_UNIT_UNDER 35    /* of an eye under water, 35, 40 to 42 */
 #define PEL_UNIT_SHAFTS 40
 #define PEL_UNIT_UNDER_FOUND 41
+#define PEL_UNIT_UNDER_ABOVE 42
 #define PEL_UNIT_AMPLITUDES 0 /* 0, 1: transforms of the cascades */
 #define PEL_UNIT_MODES 1
 
@@ -1023,6 +1024,11 @@ PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
 #define PEL_UNDER_NOTHING 0.0
 #define PEL_UNDER_SURFACE 1.0
 #define PEL_UNDER_BOTTOM 2.0
+/* Suspended particles, one a cell: cells until they are the same again; seen
+ * from NEAREST m on, through so many cells. */
+#define PEL_MOTE_CELLS 1024
+#define PEL_MOTE_NEAREST_M 0.15
+#define PEL_MOTE_STEPS 24
 /* Radius of the dome before a lens that waves may cross, m. */
 #define PEL_UNDER_DOME 0.1
 #if defined(__STDC__) || defined(PEL_UNDER)
@@ -1046,6 +1052,8 @@ PEL_BLOCK(PEL_BLOCK_UNDER, under)
                         that would spread a beam as the forward peak does */
     vec4 under_beams[PEL_LIGHTS]; /* xyz towards it, in the water; w irradiance
                                      normal to it for 1 above the surface */
+    vec4 under_motes; /* xyz the eye's place in cells of particles, of
+                         PEL_MOTE_CELLS; w side of a cell, m */
     vec4 under_turns[PEL_UNDER_TURNS + 1]; /* rgb log2 of the phase function
                                               without its peak */
 };

@@ -6,10 +6,10 @@
  * and glitter as they stand; ship: a built-in model by its number, `away`
  * metres ahead; rain, snow: mm/h; wash: its speed, m/s, and `push` the screw's;
  * it passed on a straight course, `washes` ships side by side; fleet: enum
- * bench_fleet; wakes: of so many ships, the first `away` ahead; sense: 1 low
- * light, 2 thermal; lat, lon: the origin, land: continents there; high: the
- * form of what is seen from high up, 1 always, -1 never) for looking at one
- * thing at a time while developing shaders. */
+ * bench_fleet; wakes: of so many ships, the first `away` ahead; motes:
+ * particles/m3; sense: 1 low light, 2 thermal; lat, lon: the origin, land:
+ * continents there; high: the form of what is seen from high up, 1 always, -1
+ * never) for looking at one thing at a time while developing shaders. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -60,8 +60,8 @@ static struct setting settings[] = {
     { "bankbearing", 0 }, { "rain", 0 },      { "snow", 0 },
     { "bare", 0 },        { "kind_only", 0 }, { "dry", 0 },
     { "shutter", 0 },     { "wet", 0 },       { "lamps", 0 },
-    { "washes", 1 },      { "lon", 0 },       { "land", 0 },
-    { "high", 0 },
+    { "motes", 0 },       { "washes", 1 },    { "lon", 0 },
+    { "land", 0 },        { "high", 0 },
 };
 
 static double get(const char *name)
@@ -314,6 +314,7 @@ int main(int argc, char **argv)
     struct pel_environment env = bench_environment(&shown, &sea);
     env.seabed = bottom();
     env.caustics = get("caustics") > 0;
+    env.particles_m3 = get("motes");
     env.sparkle = get("sparkle") > 0;
     env.origin_latitude_rad = get("lat") * PEL_DEG;
     env.origin_longitude_rad = get("lon") * PEL_DEG;
