@@ -293,6 +293,10 @@ class Water(Record):
     #: Raman scattering by the water: some light of shorter waves becomes green
     #: and red. With orders ALL.
     raman: bool = _field(True)
+    #: Suspended particles of 0.3 to 1.5 mm that an eye under water sees one by
+    #: one, sinking and swaying; their light is not in the water's own. [1/m3;
+    #: 0 to 1000]
+    particles: float = _field(0.0, '1/m3', 0, 1000)
 
 
 @dataclass(frozen=True)
