@@ -102,7 +102,7 @@ pictures=(
     "under-40m|40 m down in tropical water, looking up|$under water.named=TROPICAL views.gallery.up=-40 views.gallery.pitch=40"
     "under-bottom|Sand under 5 m of tropical water, 2 m down|$under sea.windSpeed=4 water.named=TROPICAL water.bottom=SAND water.depth=5 views.gallery.up=-2 views.gallery.pitch=-12"
     "under-hull|A yacht's hull from below|$ship sea.windSpeed=3 sky.sunElevation=55 views.gallery.up=-4 views.gallery.pitch=25 views.gallery.fieldOfView=80 water.named=TROPICAL entities.2.model.name=sailing-yacht entities.2.latitude=52.60009 entities.2.longitude=5.2 entities.2.heading=300"
-    "under-split|A lens that a wave crosses, tropical water over sand|$under sea.windSpeed=6 water.named=TROPICAL water.bottom=SAND water.depth=6 views.gallery.up=SPLIT views.gallery.pitch=0"
+    "under-split|A lens that a wave crosses, tropical water over sand|$under sea.windSpeed=6 water.named=TROPICAL water.bottom=SAND water.depth=6 views.gallery.up=-0.06 views.gallery.pitch=0"
     "under-particles|Particles in coastal water, 4 m down|$under water.jerlov=C1 water.particles=150 views.gallery.up=-4 views.gallery.pitch=8"
     "bow|The bow wave of a container ship at 20 knots, 60 m off|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=5 sky.sunElevation=40 sky.sunAzimuth=120 clock.time=900 clock.reckoning=1000 entities.2.wake=true entities.2.wash=true entities.2.model.name=container-ship entities.2.heading=90 entities.2.course=90 entities.2.speed=10.29 entities.2.poseTime=0 entities.2.latitude=52.600539 entities.2.longitude=5.061038 views.gallery.up=22 views.gallery.pitch=-19 views.gallery.yaw=-28"
 )
