@@ -169,7 +169,7 @@ struct pel_snapshot {
     struct pel_water_body water;
     struct pel_water_desc water_desc; /* what it was resolved from */
     enum pel_water_orders water_orders;
-    double particles_m3; /* that an eye under water sees */
+    double particles_m3;             /* that an eye under water sees */
     const struct pel_seabed *seabed; /* NULL: flat, at the water's depth */
     bool caustics;
     bool sparkle;
