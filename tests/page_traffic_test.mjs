@@ -363,9 +363,20 @@ describe("a thing", () => {
       return near(v.forward, eye.forward, 0.01) && near(v.up, eye.up, 0.01) &&
         v.level === false && v.yaw === 0;
     });
+    await page.locator("#view-entity").selectOption("place");
+    await until("a place", async () => {
+      const v = await view();
+      return v.entity === undefined && v.at?.latitude !== undefined;
+    });
+    const entry = page.locator(
+      "[data-path='views.*.at.longitude'] input.entry");
+    await entry.fill("-157.5");
+    await until("another", async () => (await view()).at.longitude === -157.5);
     await page.locator("#view-entity").selectOption("");
-    await until("the world", async () =>
-      (await view()).entity === undefined);
+    await until("the world", async () => {
+      const v = await view();
+      return v.entity === undefined && v.at === undefined;
+    });
   });
 });
 
