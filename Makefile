@@ -546,14 +546,14 @@ $(O)/bin/undertrace_test: $(call obj,$(UNDERTRACE))
 $(O)/bin/cloudtrace: $(OBJ)/tests/validate/cloudtrace.o
 	$(LINK) -lm
 
-VALIDATE_PARTS := sea sky drawn numbers eye foam night ship
-VALIDATE_BIN := $(addprefix $(O)/bin/,seatrace shiptrace airours validate_water brdf_test facets_test \
+VALIDATE_PARTS := sea sky drawn numbers eye foam night ship space
+VALIDATE_BIN := $(addprefix $(O)/bin/,seatrace shiptrace spacetrace airours validate_water brdf_test facets_test \
     directional_test ndbc_test welch_test cascade_test probe_test shimmer_test drawn_test)
 .PHONY: validate $(addprefix validate-,$(VALIDATE_PARTS))
 validate: deps-build ## light, waves, water, eye, ships against references: tables and plots in build/validate/ (ARGS=--quick: a minute)
 	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)
 	$(Q)/usr/bin/python3 -B tests/validate/validate.py $(ARGS)
-$(addprefix validate-,$(VALIDATE_PARTS)): validate-%: deps-build ## one part: sea sky drawn numbers eye foam night ship, or water
+$(addprefix validate-,$(VALIDATE_PARTS)): validate-%: deps-build ## one part: sea sky drawn numbers eye foam night ship space, or water
 	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)
 	$(Q)/usr/bin/python3 -B tests/validate/validate.py $(ARGS) $*
 

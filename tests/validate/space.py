@@ -131,8 +131,9 @@ def main():
                    "glint": (glint / theirs).tolist()}
             words = []
             good = True
-            for kind in (0.02, 0.05):
+            for name, kind in (("beside", 0.02), ("in", 0.05)):
                 these = off[sure & (bar == kind)]
+                row[name] = float(np.median(these)) if len(these) else None
                 words.append("–" if not len(these) else
                              f"{100 * np.median(these):.1f}, "
                              f"{100 * np.percentile(these, 90):.1f} %")

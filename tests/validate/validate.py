@@ -63,6 +63,7 @@ def parts(options):
         "eye": [script("eye.py", options)],
         "foam": [script("foam.py", options)],
         "night": [script("night.py", options)],
+        "space": [script("space.py", options)],
     }
 
 
@@ -355,12 +356,25 @@ def ship_checks(folder):
                f"lines {s['over']} fail", s["over"] == 0)
 
 
+def space_checks(folder):
+    found = read(folder, "space.json")
+    for r in found["rows"] if found else ():
+        parts = [f"{100 * m:.1f} % {where}" for m, where in
+                 ((r["beside"], "beside the glint"), (r["in"], "in it"))
+                 if m is not None]
+        yield (f"from {r['height'] / 1e3:g} km, Sun {r['sun']}°, "
+               f"{r['azimuth']}° aside", "medians ≤ 2 % beside the glint, "
+               "≤ 5 % in it", ", ".join(parts), r["pass"])
+
+
 CHECKS = {"sea": sea_checks, "sky": sky_checks, "water": water_checks,
           "drawn": drawn_checks, "numbers": numbers_checks, "eye": eye_checks,
-          "foam": foam_checks, "night": night_checks, "ship": ship_checks}
+          "foam": foam_checks, "night": night_checks, "ship": ship_checks,
+          "space": space_checks}
 RESULTS = {"sea": "seatrace-pm.json", "sky": "airsky-all.json",
            "water": "water.json", "drawn": "drawn.json", "eye": "eye.json",
-           "foam": "foam.json", "night": "night.json", "ship": "shiptrace.json"}
+           "foam": "foam.json", "night": "night.json", "ship": "shiptrace.json",
+           "space": "space.json"}
 HEAD = ["| part | check | bar | found | |", "|---|---|---|---|---|"]
 
 
