@@ -1,7 +1,7 @@
 #version 450 core
-// How much brighter than under a level sea the first light's beam is in the
-// water about the eye: what the waves focus, less its mean, by the place of the
-// surface through which it comes and by depth.
+// How bright the first light's beam is in the water about the eye, by the place
+// of the surface through which it comes and by depth: what the waves focus, of
+// some whose rays have crossed too, so that it is no more than in proportion.
 #define PEL_UNDER
 #include "lib/blocks.h"
 #include "lib/turns.glsl"
@@ -36,6 +36,16 @@ void main()
     vec3 to = under_beams[PEL_LIGHT_FIRST].xyz;
     vec2 run = to.xy / to.z;
     vec2 place = off + run * (max(under_eye.x, 0.0) - z);
-    float focus = caustic(PEL_LIGHT_FIRST, place, z, footprint, lights[PEL_LIGHT_FIRST].direction.xyz, to.z) - 1.0;
-    imageStore(shafts, at, vec4(focus));
+    // As caustic of lib/seabed.glsl, by waves PEL_SHAFT_SHARPER times as long.
+    const float eta = 1.0 / PEL_WATER_INDEX;
+    vec3 light = lights[PEL_LIGHT_FIRST].direction.xyz;
+    float row = clamp((log2(z) - PEL_FOCUS_FIRST) * PEL_FOCUS_STEPS, 0.0, float(PEL_FOCUS_COUNT) - 1.001);
+    int focus = PEL_LIGHT_FIRST * PEL_FOCUS_COUNT + int(row);
+    float least = PEL_SHAFT_SHARPER * exp2(mix(bed_focus[focus].x, bed_focus[focus + 1].x, fract(row)));
+    least = max(least, max(footprint, 2.0 * lights[PEL_LIGHT_FIRST].direction.w * eta * z));
+    float reach = z * (to.z - eta * light.z) / to.z;
+    vec2 enter = place + light.xy * (z * eta / to.z);
+    vec3 bend = wave_bend(enter - reach * wave_slope(enter, least), least);
+    float spread = (1.0 + reach * bend.x) * (1.0 + reach * bend.z) - reach * reach * bend.y * bend.y;
+    imageStore(shafts, at, vec4(1.0 / max(abs(spread), 1.0 / PEL_SHAFT_MOST)));
 }

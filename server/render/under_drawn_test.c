@@ -224,6 +224,7 @@ static void shafts_keep_the_mean(void **state)
     struct pel_picture *p = test_draw(renderer, &env, &c, PEL_LAYER_RADIANCE);
     print_message("with shafts %.4f of the light without\n", shafts / even);
     pel_picture_release(p);
+    /* A picture of 6 m sees few of the waves that focus. */
     assert_true(shafts != even && fabs(shafts / even - 1) < 0.03);
     pel_sea_finish(&sea);
 }
@@ -302,6 +303,44 @@ static void layers(void **state)
     pel_picture_release(p);
 }
 
+/* A picture is a function of its scene: the same bits whatever was drawn
+ * before, by a new renderer, and by either wrapper. The last test: its
+ * renderer takes the place of the others'. */
+static void nothing_is_remembered(void **state)
+{
+    (void)state;
+    struct pel_environment env = water(0.05, 0.05), other = water(0.2, 0.3);
+    struct pel_camera c = towards(4.0, 60.0, 10.0, 60.0, 64);
+    struct pel_camera away = towards(9.0, 30.0, 80.0, 90.0, 32);
+    other.water.depth_m = 20.0;
+    other.caustics = true;
+    other.lights[0].direction = test_sun(50.0, 10.0);
+    const size_t bytes = sizeof(float) * 4 * 64 * 64;
+    float *before = malloc(bytes);
+    assert_non_null(before);
+    for (int i = 0; i < 4; i++) {
+        if (i >= 2) {
+            pel_renderer_destroy(renderer);
+            renderer = test_renderer(i == 2 ? "fragment" : "compute");
+        } else if (i == 1) {
+            (void)seen(&other, &away);
+        }
+        struct pel_picture *p =
+            test_draw(renderer, &env, &c, PEL_LAYER_RADIANCE);
+        if (i == 0) {
+            memcpy(before, p->radiance, bytes);
+        }
+        double off = 0;
+        for (int k = 0; k < 4 * 64 * 64; k++) {
+            off = fmax(off, fabs((double)(p->radiance[k] - before[k])));
+        }
+        print_message("turn %d: %.3g off\n", i, off);
+        assert_memory_equal(before, p->radiance, bytes);
+        pel_picture_release(p);
+    }
+    free(before);
+}
+
 int main(int argc, char **argv)
 {
     (void)argc;
@@ -318,6 +357,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(shafts_keep_the_mean),
         cmocka_unit_test(crossed),
         cmocka_unit_test(layers),
+        cmocka_unit_test(nothing_is_remembered),
     };
     int failed = cmocka_run_group_tests(tests, begin_renderer, end_renderer);
     pel_sea_finish(&calm);

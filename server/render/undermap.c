@@ -171,13 +171,14 @@ void pel_under_map_finish(struct pel_under_map *map)
 
 /* --- the water's light ---------------------------------------------------- */
 
-static GLuint make_array(GLenum format, GLsizei width, GLsizei height,
-                         GLsizei layers, const char *label)
+static GLuint make_array(GLsizei levels, GLenum format, GLsizei width,
+                         GLsizei height, GLsizei layers, const char *label)
 {
     GLuint texture = 0;
     glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &texture);
-    glTextureStorage3D(texture, 1, format, width, height, layers);
-    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    glTextureStorage3D(texture, levels, format, width, height, layers);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER,
+                        levels > 1 ? GL_LINEAR_MIPMAP_NEAREST : GL_LINEAR);
     glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     glTextureParameteri(texture, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
@@ -187,10 +188,10 @@ static GLuint make_array(GLenum format, GLsizei width, GLsizei height,
 
 static void make(struct pel_under_map *map)
 {
-    map->map = make_array(GL_RGBA32F, PEL_UNDER_COLUMNS, ROWS,
+    map->map = make_array(1, GL_RGBA32F, PEL_UNDER_COLUMNS, ROWS,
                           PEL_LIGHTS * PEL_UNDER_LEVELS, "light under water");
-    map->shafts = make_array(GL_RGBA16F, PEL_SHAFT_PLACES, PEL_SHAFT_PLACES,
-                             PEL_SHAFT_DEPTHS, "shafts");
+    map->shafts = make_array(PEL_SHAFT_MEAN + 1, GL_RGBA16F, PEL_SHAFT_PLACES,
+                             PEL_SHAFT_PLACES, PEL_SHAFT_DEPTHS, "shafts");
     glClearTexImage(map->shafts, 0, GL_RGBA, GL_FLOAT, NULL);
     glCreateBuffers(2, map->kernels);
     for (int i = 0; i < 2; i++) {
@@ -428,7 +429,9 @@ void pel_under_map_shafts(struct pel_under_map *map,
     glUseProgram(program ? *program : 0);
     glDispatchCompute(PEL_SHAFT_PLACES / PEL_GROUP_SIDE,
                       PEL_SHAFT_PLACES / PEL_GROUP_SIDE, PEL_SHAFT_DEPTHS);
-    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
+                    GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
+    glGenerateTextureMipmap(map->shafts);
 }
 
 /* --- drawing -------------------------------------------------------------- */

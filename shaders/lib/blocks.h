@@ -1015,11 +1015,14 @@ PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
 /* What the waves focus in the water about the eye: places on the surface
  * through which the light comes, REACH m away at the edge and denser near the
  * eye, by depth, DEPTHS steps of STEPS an octave from FIRST m. */
-#define PEL_SHAFT_PLACES 128
-#define PEL_SHAFT_REACH 48.0
+#define PEL_SHAFT_PLACES 192
+#define PEL_SHAFT_REACH 20.0
 #define PEL_SHAFT_DEPTHS 14
 #define PEL_SHAFT_STEPS 2.0
 #define PEL_SHAFT_FIRST 0.5
+#define PEL_SHAFT_MEAN 7 /* level of detail of their means */
+#define PEL_SHAFT_SHARPER 0.4
+#define PEL_SHAFT_MOST 6.0
 /* What a line of sight meets in the water. */
 #define PEL_UNDER_NOTHING 0.0
 #define PEL_UNDER_SURFACE 1.0

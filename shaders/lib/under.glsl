@@ -36,9 +36,12 @@ float under_focus(vec2 place, float z)
     float level = clamp(log2(max(z, 1e-3) / PEL_SHAFT_FIRST) * PEL_SHAFT_STEPS, 0.0, float(PEL_SHAFT_DEPTHS) - 1.001);
     float below = floor(level);
     vec2 uv = 0.5 + 0.5 * u;
-    float focus = mix(textureLod(shafts, vec3(uv, below), 0.0).r, textureLod(shafts, vec3(uv, below + 1.0), 0.0).r,
-                      level - below);
-    return under_lens.w * seen * focus * clamp(z / PEL_SHAFT_FIRST, 0.0, 1.0);
+    vec3 upper = vec3(uv, below), lower = vec3(uv, below + 1.0);
+    const float MEAN = float(PEL_SHAFT_MEAN);
+    vec2 bright = vec2(textureLod(shafts, upper, 0.0).r, textureLod(shafts, lower, 0.0).r);
+    vec2 mean = vec2(textureLod(shafts, upper, MEAN).r, textureLod(shafts, lower, MEAN).r);
+    vec2 focus = bright / max(mean, vec2(0.1)) - 1.0;
+    return under_lens.w * seen * mix(focus.x, focus.y, level - below) * clamp(z / PEL_SHAFT_FIRST, 0.0, 1.0);
 }
 
 // What the shafts of the first light add to its even light on the way: the
