@@ -107,10 +107,13 @@ shaded shade_sea(ivec2 at, uint triangle)
 #endif
     // A normal that faces away belongs to a patch which the mesh shows and the
     // waves hide. Such pixels dot the crests; they get what their neighbourhood
-    // has on average, the mean plane with all its slopes.
-    float edge = min(0.5 * v.z, 0.06);
+    // has on average, the mean plane with all its slopes, leaned where the eye is
+    // below the wave until it is not seen from behind.
+    float edge = min(0.5 * abs(v.z), 0.06);
     float hidden = 1.0 - smoothstep(-edge, edge, dot(n, v));
-    vec3 n_seen = mix(n / n.z, vec3(0.0, 0.0, 1.0), hidden);
+    vec3 level = v.z > 0.0 ? vec3(0.0, 0.0, 1.0)
+                           : vec3(v.xy * (-v.z / max(dot(v.xy, v.xy), 1e-4)), 1.0);
+    vec3 n_seen = mix(n / n.z, level, hidden);
     n_seen = normalize(n_seen + toward_sight(v, facing, variance_beside));
     vec2 variance_seen = mix(variance, variance_all, hidden);
     vec3 n_lit = facet_in_sight(n_seen, v);

@@ -39,7 +39,7 @@ vec3 waves_resolved(vec3 v, vec2 variance)
     float whole = max(mix(wind.w, wind.z, share), MIN_VARIANCE);
     float resolved = max(whole - mix(variance.y, variance.x, share), 1e-8);
     float inverse = inversesqrt(sqrt(resolved * whole));
-    float mu = v.z * inversesqrt(max(1.0 - v.z * v.z, 1e-8)) * inverse;
+    float mu = max(v.z, 0.0) * inversesqrt(max(1.0 - v.z * v.z, 1e-8)) * inverse;
     return vec3(inverse, escape_odds(mu), inversesqrt(whole));
 }
 
