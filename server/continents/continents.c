@@ -13,14 +13,14 @@
 #define PROGRAM "pelagos-continents"
 #define DIRECTORY "/usr/share/gmt-gshhg"
 
-static uint8_t byte_of(double x)
+static uint16_t word_of(double x)
 {
-    return (uint8_t)lround(255.0 * pel_clamp(x, 0.0, 1.0));
+    return (uint16_t)lround(65535.0 * pel_clamp(x, 0.0, 1.0));
 }
 
-static uint8_t (*make_ground(void))[4]
+static uint16_t (*make_ground(void))[4]
 {
-    uint8_t(*ground)[4] =
+    uint16_t(*ground)[4] =
         malloc(sizeof *ground * PEL_GROUND_COLUMNS * PEL_GROUND_ROWS);
     for (int y = 0; ground && y < PEL_GROUND_ROWS; y++) {
         for (int x = 0; x < PEL_GROUND_COLUMNS; x++) {
@@ -28,11 +28,11 @@ static uint8_t (*make_ground(void))[4]
             pel_land_albedo((y + 0.5) * 180.0 / PEL_GROUND_ROWS - 90.0,
                             (x + 0.5) * 360.0 / PEL_GROUND_COLUMNS - 180.0,
                             albedo);
-            uint8_t *to = ground[y * PEL_GROUND_COLUMNS + x];
+            uint16_t *to = ground[y * PEL_GROUND_COLUMNS + x];
             for (int k = 0; k < 3; k++) {
-                to[k] = byte_of(albedo[k]);
+                to[k] = word_of(albedo[k]);
             }
-            to[3] = 255;
+            to[3] = 65535;
         }
     }
     return ground;

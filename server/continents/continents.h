@@ -17,8 +17,9 @@ struct pel_continents {
     /* 0: all water .. 255: all land; rows from the south pole, columns from
      * 180° W. */
     const uint8_t *share;
-    /* Albedo at 680, 550 and 440 nm of pel_land_albedo, then 255; likewise. */
-    const uint8_t (*ground)[4];
+    /* Albedo at 680, 550 and 440 nm of pel_land_albedo, then 1, of 65535;
+     * likewise. */
+    const uint16_t (*ground)[4];
 };
 
 /* Albedo of land at 680, 550 and 440 nm, degrees. A rule and no map: ice in

@@ -429,10 +429,10 @@ void pel_space_continents(struct pel_space_map *m,
     m->land = make_globe(GL_R8, PEL_CONTINENT_COLUMNS, PEL_CONTINENT_ROWS,
                          LAND_LEVELS, "shares of land");
     put_land(m->land, c->share);
-    m->ground = make_globe(GL_RGBA8, PEL_GROUND_COLUMNS, PEL_GROUND_ROWS, 1,
+    m->ground = make_globe(GL_RGBA16, PEL_GROUND_COLUMNS, PEL_GROUND_ROWS, 1,
                            "albedo of land");
     glTextureSubImage2D(m->ground, 0, 0, 0, PEL_GROUND_COLUMNS, PEL_GROUND_ROWS,
-                        GL_RGBA, GL_UNSIGNED_BYTE, c->ground);
+                        GL_RGBA, GL_UNSIGNED_SHORT, c->ground);
 }
 
 /* --- the block ------------------------------------------------------------ */
