@@ -214,6 +214,9 @@ void main()
 #if defined(PEL_CLOUDS) || defined(PEL_FOG)
     veil_lights_evenly();
 #endif
+#ifdef PEL_UNDER
+    veil_water();
+#endif
     int lane = int(gl_LocalInvocationID.x);
     int samples = int(meter.x) * PEL_METER_COLUMNS * PEL_METER_ROWS;
     vec3 sum = vec3(0.0);

@@ -222,9 +222,7 @@ void main()
         cover = smoothstep(-SOFT, SOFT, line);
         rim = 0.55 * exp(-line * line * (0.5 / (0.012 * 0.012)));
     }
-#if defined(PEL_CLOUDS) || defined(PEL_FOG)
-    veil_lights_evenly();
-#endif
+    veil_water();
     if (cover + rim < 1e-3) {
         discard;
     }

@@ -256,6 +256,7 @@ under_surface_seen under_surface(vec3 sight, vec3 place, float s, vec3 n, vec2 v
     seen.light = UNDER_DARK;
     seen.light.sky = sky * (one * refraction.g);
 #if defined(PEL_CLOUDS) || defined(PEL_FOG)
+    float evenly[PEL_LIT] = lights_leave;
     veil_lights(place.xy, 0.0, 0.2 * s);
 #endif
     for (int i = 0; i < PEL_LIT; i++) {
@@ -264,7 +265,7 @@ under_surface_seen under_surface(vec3 sight, vec3 place, float s, vec3 n, vec2 v
         seen.light.sun += mix(sharp, blurred, peak);
     }
 #if defined(PEL_CLOUDS) || defined(PEL_FOG)
-    veil_lights_evenly();
+    lights_leave = evenly;
 #endif
     vec3 mirror_dir = normalize(away + vec3(0.0, 0.0, -1e-6));
     seen.light = under_sum(seen.light, under_mirrored(place.xy, mirror_dir, deep), seen.mirrored);

@@ -9,12 +9,14 @@ float under_depth()
     return under_drift.x;
 }
 
-vec3 under_veiled()
+// What clouds and fog leave of the water's light; set before any is looked up.
+vec3 under_veil = vec3(1.0);
+
+void veil_water()
 {
 #if defined(PEL_CLOUDS) || defined(PEL_FOG)
-    return water_veiled(vec2(0.0));
-#else
-    return vec3(1.0);
+    veil_lights_evenly();
+    under_veil = water_veiled(vec2(0.0));
 #endif
 }
 
@@ -31,7 +33,7 @@ vec3 under_fetch(vec2 toward, float row, float z)
         sum += mix(textureLod(under_map, vec3(uv, layer), 0.0).rgb,
                    textureLod(under_map, vec3(uv, layer + 1.0), 0.0).rgb, level - below);
     }
-    return sum * exp(-under_fall.rgb * max(z, 0.0)) * under_veiled();
+    return sum * exp(-under_fall.rgb * max(z, 0.0)) * under_veil;
 }
 
 // What the water alone sends along a sight at a depth: all that was scattered,
