@@ -354,6 +354,7 @@ static void continents(void **state)
     if (!c) {
         print_message("no coastlines: install gmt-gshhg-low\n");
         skip();
+        return;
     }
     test_sea(8.0, 0.0, 3, &sea);
     static const struct {

@@ -48,14 +48,9 @@ struct pel_environment pel_space_environment(const struct pel_environment *env,
     struct pel_environment here = *env;
     double reach =
         acos(PEL_EARTH_RADIUS / (PEL_EARTH_RADIUS + fmax(height_m, 0.0)));
-    const struct pel_light *sun = NULL, *moon = NULL;
-    for (int i = 0; i < PEL_LIGHTS; i++) {
-        if (env->lights[i].body == PEL_LIGHT_SUN) {
-            sun = &env->lights[i];
-        } else {
-            moon = &env->lights[i];
-        }
-    }
+    int at = env->lights[0].body == PEL_LIGHT_SUN ? 0 : 1;
+    const struct pel_light *sun = &env->lights[at],
+                           *moon = &env->lights[1 - at];
     double sun_rad = asin(pel_clamp(sun->direction.z, -1.0, 1.0)),
            moon_rad = asin(pel_clamp(moon->direction.z, -1.0, 1.0));
     bool day = sun->strength > 0 && sun_rad + reach + AIR_BEYOND > DEEP_NIGHT;

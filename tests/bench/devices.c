@@ -317,13 +317,13 @@ static void *draw_alone(void *argument)
     const struct pel_snapshot *s = pel_scene_snapshot(scene);
     for (int frame = 0; atomic_load(&drawing); frame++) {
         double time_s = (double)frame / 30;
-        int first = frame > 0 ? self->first : 0;
+        size_t first = frame > 0 ? (size_t)self->first : 0;
         struct pel_environment env = pel_environment_of(s, time_s);
         pel_environment_light(s, &env);
         env.sea = pel_snapshot_sea(s);
         for (int i = 0; i < self->views && atomic_load(&drawing); i++) {
             struct pel_draw draw = { .layers = PEL_LAYER_COLOR };
-            pel_snapshot_camera(s, (size_t)(first + i), time_s, 0, 0,
+            pel_snapshot_camera(s, first + (size_t)i, time_s, 0, 0,
                                 &draw.camera);
             while (pel_renderer_submit(r, &env, &draw, 1) == PEL_ERR_BUSY) {
                 take(self, r, 100000000);

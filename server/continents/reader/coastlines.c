@@ -84,7 +84,7 @@ static enum pel_err take(const struct binned *b, struct pel_coastlines *out)
             90.0 - degrees * (double)(1 + i / (size_t)b->bins_across);
         int n = b->count[i] & 0xffff;
         for (int k = 0; k < n; k++) {
-            size_t s = (size_t)(b->first_segment[i] + k);
+            size_t s = (size_t)b->first_segment[i] + (size_t)k;
             unsigned word = (unsigned)b->segment[s];
             if ((word >> 6 & 7) == GROUNDED) {
                 continue;
