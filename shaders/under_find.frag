@@ -42,7 +42,7 @@ float bottom_distance(vec3 sight, float end)
     bool beyond = level < seen && seabed_height(bed_node(level * sight.xy)) <= bed_beyond.x + 1e-3;
     level = field >= 0.0 ? field : beyond ? level : FAR;
 #endif
-    return level < min(end, FAR) ? max(level, 0.0) : -1.0;
+    return level < min(end, FAR) ? max(level, 0.01) : -1.0; // of an eye in the ground, too
 }
 
 void main()

@@ -144,7 +144,7 @@ def malformed_datagrams_change_nothing():
         reasons = {k.split('"')[1]: int(v) for k, v in page.items()
                    if k.startswith("pelagos_cigi_malformed_total")}
         check(all(reasons[k] > 50 for k in ("size", "number")), reasons)
-        s.host.ask(cigi.entity(1, 89, 0), cigi.atmosphere(5000, 5, 5))
+        s.host.ask(cigi.entity(1, 91, 0), cigi.atmosphere(5000, 5, 5))
         check(s.metric("refused_edits_total") == 1, "refused")
         check(s.state()["sea"] == before["sea"], "half applied")
         print(f"  {len(bad)} malformed datagrams: {reasons}")

@@ -75,7 +75,8 @@ class Site(unittest.TestCase):
     def tree(self):
         """A copy of what the pages are made of."""
         tree = self.work / self.id()
-        for name in ("docs", "proto", "clients", "packaging"):
+        for name in ("docs", "proto", "clients", "packaging",
+                     "tests/validate"):
             shutil.copytree(ROOT / name, tree / name)
         for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md"):
             shutil.copy(ROOT / name, tree)

@@ -28,7 +28,10 @@ PARTS = [
                              "python.md",
                              "clients/ros2/pelagos_bridge/README.md"]),
     ("How it works", None, ["docs/physics.md", "docs/water.md",
-                            "docs/validation.md", "docs/architecture.md",
+                            "docs/validation.md",
+                            "tests/validate/undertrace/README.md",
+                            "tests/validate/spacetrace/README.md",
+                            "docs/architecture.md",
                             "docs/machines.md"]),
     ("Project", None, ["CHANGELOG.md", "CONTRIBUTING.md"]),
 ]
