@@ -5,12 +5,15 @@ nothing with the program (spacetrace).
     space.py [--quick] [--assert]
 
 Pictures of the open sea on the equator looking east, where the ellipsoid is a
-circle of its larger radius, by sights from the nadir to
-beyond the limb, into the glint, beside it and away from the Sun. Judged is the
-radiance at 680, 550 and 440 nm, where it is above a thousandth of the brightest
-and the trace's own noise is below half of the bar: 2 % where the glint is less than a hundredth of it,
-5 % where it is more. Its table goes into build/validate/ (quick: into its
-quick/); status 3 with --assert where the median of a view's offs is over its bar.
+circle of its larger radius, by sights from the nadir to beyond the limb, into
+the glint, beside it and away from the Sun; 10 km to 10,000 km, Sun 10 to 60
+degrees high, 7 m/s, 40 km of visibility. The trace is told the picture's slope
+variances, and what leaves the water as the air's own light has it from below.
+Judged is the radiance at 680, 550 and 440 nm, where it is above a thousandth of
+the brightest and the trace's own noise is below half of the bar: 2 % where the
+glint is less than a hundredth of it, 5 % where it is more. Its table goes into
+build/validate/ (quick: into its quick/); status 3 with --assert where the median
+of a view's offs is over its bar.
 """
 import argparse
 import json
