@@ -31,7 +31,7 @@ SITE_PACKAGES := python3-sphinx python3-myst-parser furo graphviz groff
 # What `make deb` is made by.
 DEB_PACKAGES := dpkg-dev debhelper dh-python lintian python3-pip python3-setuptools \
     python3-wheel
-TEST_PACKAGES := gmt-gshhg-low gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq ffmpeg mbpoll python3-pymodbus \
+TEST_PACKAGES := gmt-gshhg-low gstreamer1.0-tools glib-networking gdal-bin gpsd-clients libcmocka-dev curl jq libeccodes-tools ffmpeg mbpoll python3-pymodbus \
     libimage-exiftool-perl netcdf-bin python3-netcdf4 python3-xarray librsvg2-bin \
     python3-serial-asyncio python3-jsonschema python3-hypothesis \
     xplanet python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
@@ -105,6 +105,7 @@ SEABED := $(call room,server/seabed)
 MODELS := $(call room,server/models)
 PANORAMA := $(call room,server/panorama)
 CONTINENTS := $(call room,server/continents)
+WEATHER := $(call room,server/weather)
 OPTICS := $(call room,server/optics)
 PROTO := $(call room,proto)
 SCENE := $(call room,server/scene)
@@ -119,6 +120,9 @@ MODEL_READER := $(call room,server/models/reader)
 PANORAMA_READER := $(call room,server/panorama/reader)
 SPECTRUM_READER := $(call room,server/ocean/reader)
 CONTINENTS_READER := $(call room,server/continents/reader)
+# With what both that use GDAL need.
+WEATHER_READER := $(call room,server/weather/reader) server/seabed/reader/gdal.c \
+    server/seabed/reader/hdf5.c
 DAEMON := server/main.c server/service.c
 # What makes a part of the server while it is built.
 MAKER := server/clearair.c
@@ -144,7 +148,7 @@ FLAGS_server/optics/airlight := $(VECTORS)
 FLAGS_server/optics/airrays := $(VECTORS)
 FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)
 FLAGS_clients/pelagosctl/clip_stream = $(CTL_CFLAGS)
-$(foreach f,$(SEABED_READER:.c=) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
+$(foreach f,$(sort $(SEABED_READER:.c=) $(WEATHER_READER:.c=)) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
 $(foreach f,$(MODEL_READER:.c=),$(eval FLAGS_$(f) = $$(MODEL_CFLAGS)))
 $(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c tests/validate/airtrace/*.c tests/validate/shiptrace/*.c tests/validate/undertrace/*.c tests/validate/spacetrace/*.c)),$(eval FLAGS_$(f) := -O3))
 # CPPFLAGS, CFLAGS and LDFLAGS are the caller's, and come last.
@@ -157,7 +161,7 @@ KEY := $(shell printf %s $(call quoted,$(CC) $(OUR_CPPFLAGS) $(OUR_CFLAGS) $(CPP
 OBJ := $(O)/obj-$(KEY)
 
 # --- rules ----------------------------------------------------------------
-SERVER := $(BASE) $(OCEAN) $(SEABED) $(MODELS) $(PANORAMA) $(CONTINENTS) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
+SERVER := $(BASE) $(OCEAN) $(SEABED) $(MODELS) $(PANORAMA) $(CONTINENTS) $(WEATHER) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
     $(FRAMES) $(NET) $(BRIDGES) $(OPTIONS)
 GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c \
     $(O)/gen/pages.c
@@ -173,7 +177,7 @@ SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
 PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\
-    pelagosd pelagosctl pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents pelagos-plot)
+    pelagosd pelagosctl pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents pelagos-weather pelagos-plot)
 
 .PHONY: all
 all: $(PROGRAMS) ## build the daemon and its command line
@@ -192,7 +196,7 @@ $(O)/flags: FORCE
 	$(Q)mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = $(KEY) ] || echo $(KEY) >$@
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosd-starved pelagosctl \
-    pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
+    pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents pelagos-weather drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
     bench_devices any_raster rhythm validate_water seatrace airtrace airours shiptrace undertrace spacetrace cloudtrace): $(O)/flags
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
@@ -204,6 +208,9 @@ $(O)/bin/pelagosd-starved: $(call obj,$(DAEMON)) $(OBJ)/tests/lib/starve.o $(OBJ
 	$(LINK) $(addprefix -Wl$(comma)--wrap=,$(STARVED)) $(PKG_LIBS)
 
 $(O)/bin/pelagos-seabed: $(call obj,$(SEABED_READER)) $(OBJ)/libserver.a
+	$(LINK) $(READER_LIBS)
+
+$(O)/bin/pelagos-weather: $(call obj,$(WEATHER_READER)) $(OBJ)/libserver.a
 	$(LINK) $(READER_LIBS)
 
 $(O)/bin/pelagos-model: $(call obj,$(MODEL_READER)) $(OBJ)/libserver.a
@@ -751,7 +758,7 @@ EXERCISES = $(wildcard clients/exercises/*.json)
 
 # What `install` puts where, for `uninstall`; then the folders that are ours.
 INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
-    $(addprefix $(D)/libexec/pelagos/,pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents) \
+    $(addprefix $(D)/libexec/pelagos/,pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents pelagos-weather) \
     $(addprefix $(L)/,libpelagos.a $(SHARED) libpelagos.so.$(ABI) libpelagos.so \
         pkgconfig/pelagos.pc) \
     $(addprefix $(D)/include/pelagos/,$(notdir $(PUBLIC))) \
@@ -775,7 +782,7 @@ install: all man $(O)/pelagos.pc $(O)/libpelagos.a $(O)/$(SHARED) ## install bel
 	install -d $(sort $(dir $(INSTALLED))) $(DESTDIR)$(SYSCONFDIR)/pelagos
 	install -m755 $(O)/bin/pelagosd $(O)/bin/pelagosctl $(D)/bin
 	install -m755 $(O)/bin/pelagos-seabed $(O)/bin/pelagos-model \
-	    $(O)/bin/pelagos-panorama $(O)/bin/pelagos-spectrum $(O)/bin/pelagos-continents $(D)/libexec/pelagos
+	    $(O)/bin/pelagos-panorama $(O)/bin/pelagos-spectrum $(O)/bin/pelagos-continents $(O)/bin/pelagos-weather $(D)/libexec/pelagos
 	install -m644 $(O)/libpelagos.a $(O)/$(SHARED) $(L)
 	ln -sf $(SHARED) $(L)/libpelagos.so.$(ABI)
 	ln -sf libpelagos.so.$(ABI) $(L)/libpelagos.so

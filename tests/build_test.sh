@@ -51,6 +51,7 @@ needs() { # PROGRAM LIBRARY…: the program needs none of them
 }
 needs pelagosctl libmicrohttpd libmodbus libepoxy libgstrtsp libspng libgdal
 needs pelagos-seabed libmicrohttpd libmodbus libepoxy libgst libglib libssl
+needs pelagos-weather libmicrohttpd libmodbus libepoxy libgst libglib libssl
 needs pelagos-panorama libmicrohttpd libmodbus libepoxy libgst libglib libssl libgdal
 needs pelagos-model libmicrohttpd libmodbus libepoxy libgst libglib libssl libgdal
 needs pelagos-spectrum libmicrohttpd libmodbus libepoxy libgst libglib libssl libgdal

@@ -20,9 +20,9 @@ LIBRARIES = {
     # libpelagos links none of it: an example reads frames by it.
     "openexr.h": {"server/encode", "server/seabed/reader",
                   "server/panorama/reader", "clients/lib"},
-    "gdal": {"server/seabed/reader", "tests"},
-    "cpl_": {"server/seabed/reader", "tests"},
-    "ogr_": {"server/seabed/reader"},
+    "gdal": {"server/seabed/reader", "server/weather/reader", "tests"},
+    "cpl_": {"server/seabed/reader", "server/weather/reader", "tests"},
+    "ogr_": {"server/seabed/reader", "server/weather/reader"},
     "hdf5": {"server/seabed/reader", "tests"},
     "gst/": {"server/encode", "server/net", "clients/pelagosctl", "tests"},
     "libyuv": {"server/encode"},

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "seabed/reader/gdal.h"
 #include "seabed/reader/raster.h"
 #include "seabed/seabed.h"
 
@@ -22,24 +23,13 @@
 /* All the drivers there are in this process. Each reads the file that it is
  * given and those of the same name beside it; none takes the names of others
  * from a file, nor speaks to the network. */
-static const struct {
-    void (*add)(void);
-    const char *name;
-} drivers[] = {
-    { GDALRegister_GTiff, "GTiff" },     { GDALRegister_netCDF, "netCDF" },
-    { GDALRegister_BAG, "BAG" },         { GDALRegister_HDF5, "HDF5" },
-    { GDALRegister_AAIGrid, "AAIGrid" }, { GDALRegister_EHdr, "EHdr" },
-    { GDALRegister_ENVI, "ENVI" },       { GDALRegister_MEM, "MEM" },
+static void (*const drivers[])(void) = {
+    GDALRegister_GTiff, GDALRegister_netCDF,  GDALRegister_BAG,
+    GDALRegister_HDF5,  GDALRegister_AAIGrid, GDALRegister_EHdr,
+    GDALRegister_ENVI,  GDALRegister_MEM,
 };
 static const char formats[] =
     "GeoTIFF, netCDF, BAG, HDF5, ASCII grid, ESRI .hdr, ENVI or OpenEXR";
-
-static void say_nothing(CPLErr class, CPLErrorNum number, const char *text)
-{
-    (void)class;
-    (void)number;
-    (void)text;
-}
 
 /* --- opening -------------------------------------------------------------- */
 
@@ -445,38 +435,9 @@ static enum pel_err open_exr(const struct pel_raster_request *request,
                          : err;
 }
 
-void pel_raster_prepare(const char *places[PEL_RASTER_MOST_PLACES + 1])
+void pel_raster_prepare(const char *places[PEL_GDAL_MOST_PLACES + 1])
 {
-    static const char *const settings[][2] = {
-        { "GDAL_DRIVER_PATH", "disable" },
-        { "GDAL_CACHEMAX", "64" },
-        { "GDAL_NUM_THREADS", "1" },
-        { "GDAL_PAM_ENABLED", "NO" }, /* no .aux.xml, read or written */
-        { "GDAL_HTTP_MAX_RETRY", "0" },
-        { "CPL_VSIL_CURL_ALLOWED_FILENAME", "none" },
-    };
-    size_t count = 0;
-    CPLSetErrorHandler(say_nothing);
-    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
-        CPLSetConfigOption(settings[i][0], settings[i][1]);
-    }
-    /* The C library's own name for no file locking: that is a system call
-     * which the sandbox has not. */
-    setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
-    for (size_t i = 0; i < sizeof drivers / sizeof *drivers; i++) {
-        drivers[i].add();
-    }
-    OSRSetPROJEnableNetwork(FALSE);
-    char **proj = OSRGetPROJSearchPaths();
-    for (int i = 0; proj && proj[i] && count + 1 < PEL_RASTER_MOST_PLACES;
-         i++) {
-        places[count++] = proj[i];
-    }
-    const char *own = CPLFindFile("gdal", "gdalvrt.xsd");
-    if (own) {
-        places[count++] = strdup(CPLGetPath(own));
-    }
-    places[count] = NULL;
+    pel_gdal_prepare(drivers, sizeof drivers / sizeof *drivers, places);
 }
 
 enum pel_err pel_raster_read(const struct pel_raster_request *request,
@@ -490,7 +451,7 @@ enum pel_err pel_raster_read(const struct pel_raster_request *request,
     local_frame(request->origin_latitude, request->origin_longitude, frame);
     enum pel_err err = find_exr(request->path, &exr, fault);
     if (!err) {
-        err = pel_raster_check_hdf5(request->path, fault);
+        err = pel_gdal_check_hdf5(request->path, fault);
     }
     if (!err) {
         err = exr ? open_exr(request, &set, fault)

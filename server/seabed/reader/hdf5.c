@@ -1,6 +1,6 @@
 #include <hdf5.h>
 
-#include "seabed/reader/raster.h"
+#include "seabed/reader/gdal.h"
 
 /* What was found, while the walk goes on. */
 struct walk {
@@ -45,7 +45,7 @@ static herr_t look(hid_t group, const char *name, const H5L_info_t *info,
     return walk->found ? 1 : 0;
 }
 
-enum pel_err pel_raster_check_hdf5(const char *path, struct pel_fault *fault)
+enum pel_err pel_gdal_check_hdf5(const char *path, struct pel_fault *fault)
 {
     struct walk walk = { NULL };
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);

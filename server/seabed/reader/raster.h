@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "base/err.h"
+#include "seabed/reader/gdal.h"
 
 /* How a file is to be read and where it goes. Degrees, metres. */
 struct pel_raster_request {
@@ -39,17 +40,9 @@ PEL_CHECK enum pel_err pel_raster_read_exr(const char *path,
                                            struct pel_raster_plain *out,
                                            struct pel_fault *fault);
 
-/* Refuses an HDF5 file (netCDF 4 and BAG are such) that hands on to other
- * files: external links, external storage, virtual data sets. OK: any other
- * file. */
-PEL_CHECK enum pel_err pel_raster_check_hdf5(const char *path,
-                                             struct pel_fault *fault);
-
-#define PEL_RASTER_MOST_PLACES 8
-
 /* Before the sandbox is closed: GDAL with the drivers that it may use, and
- * where its own files lie (NULL-terminated, at most PEL_RASTER_MOST_PLACES). */
-void pel_raster_prepare(const char *places[PEL_RASTER_MOST_PLACES + 1]);
+ * where its own files lie (gdal.h). */
+void pel_raster_prepare(const char *places[PEL_GDAL_MOST_PLACES + 1]);
 
 /* What GDAL's allowed drivers read from this one file, resampled bilinearly at
  * the raster's own spacing to azimuthal equidistant metres about the origin

@@ -59,7 +59,7 @@ _Noreturn static void refuse(const char *why)
 /* Into the directory, and the sandbox closed behind us. */
 static enum pel_err enter(const char *directory, struct pel_fault *fault)
 {
-    const char *readable[PEL_RASTER_MOST_PLACES + 2] = { "." };
+    const char *readable[PEL_GDAL_MOST_PLACES + 2] = { "." };
     const struct pel_sandbox sandbox = { .readable = readable,
                                          .cpu_s = MOST_CPU_S,
                                          .memory_bytes = MOST_MEMORY,
