@@ -36,7 +36,7 @@ TEST_PACKAGES := gmt-gshhg-low gstreamer1.0-tools glib-networking gdal-bin gpsd-
     python3-serial-asyncio python3-jsonschema python3-hypothesis \
     xplanet python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
     python3-wheel openexr chromium \
-    nginx-light openssl mypy clang \
+    slurm-wlm munge nginx-light openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
     tshark iproute2 $(SITE_PACKAGES) $(DEB_PACKAGES) \
     python3-nbclient python3-ipykernel python3-matplotlib \
@@ -48,7 +48,8 @@ PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
 # Debian's Chromium, what judges the page.
 NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2 \
     @seriousme/openapi-schema-validator@2.11.0 \
-    openapi-typescript@7.4.4 openapi-fetch@0.13.3 typescript@5.6.3
+    openapi-typescript@7.4.4 openapi-fetch@0.13.3 typescript@5.6.3 \
+    hyparquet@1.33.0 parquet-wasm@0.8.0 apache-arrow@21.2.0
 # Of the same, embedded in the page and loaded when its sea-state card is
 # opened. A tarball of `make dist` brings it along.
 PAGE_PACKAGES := uplot@1.6.32
@@ -177,7 +178,7 @@ SHADERS := $(wildcard shaders/*.vert shaders/*.frag shaders/*.comp shaders/lib/*
 
 # build/NAME leads to the release; other flavours stay in build/FLAVOR/bin.
 PROGRAMS := $(addprefix $(if $(filter release,$(FLAVOR)),build,$(O)/bin)/,\
-    pelagosd pelagosctl pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents pelagos-weather pelagos-plot)
+    pelagosd pelagosctl pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents pelagos-weather pelagos-plot pelagos-dataset)
 
 .PHONY: all
 all: $(PROGRAMS) ## build the daemon and its command line
@@ -222,10 +223,11 @@ $(O)/bin/pelagos-spectrum: $(call obj,$(SPECTRUM_READER)) $(OBJ)/libserver.a
 $(O)/bin/pelagos-continents: $(call obj,$(CONTINENTS_READER)) $(OBJ)/libserver.a
 	$(LINK) $(SPECTRUM_LIBS) -lm
 
-# For pelagosctl plot, out of the tree; installed, it is the Python package's.
-$(O)/bin/pelagos-plot: Makefile
+# For pelagosctl plot and dataset, out of the tree; installed, they are the
+# Python package's.
+$(O)/bin/pelagos-plot $(O)/bin/pelagos-dataset: $(O)/bin/pelagos-%: Makefile
 	$(Q)mkdir -p $(@D)
-	$(Q)printf '%s\n' '#!/bin/sh' 'PYTHONPATH="$(CURDIR)/clients/python" exec /usr/bin/python3 -m pelagos.plot "$$@"' >$@
+	$(Q)printf '%s\n' '#!/bin/sh' 'PYTHONPATH="$(CURDIR)/clients/python" exec /usr/bin/python3 -m pelagos.$* "$$@"' >$@
 	$(Q)chmod +x $@
 
 $(O)/bin/pelagos-panorama: $(call obj,$(PANORAMA_READER)) $(OBJ)/libserver.a
@@ -632,6 +634,12 @@ page-access: deps ## axe over every state of the page at three sizes, phones, ke
 chaos: deps ## all faults at once for CHAOS_SECONDS (3600) by CHAOS_SEED (1), and what was promised meanwhile
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/soak/chaos.py
+
+.PHONY: dataset-check
+dataset-check: deps ## 200 shards of 50 frames, undisturbed and with 30 kills: every frame once, equal digests
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)DATASET_SHARDS=200 DATASET_FRAMES=50 DATASET_KILLS=30 \
+	    /usr/bin/python3 -B tests/dataset_test.py Sets
 
 # Random walks (docs/machines.md).
 WALKS := $(addprefix $(O)/bin/,machines_test session_walk_test credit_walk_test)

@@ -220,6 +220,13 @@ def formats():
                         "PEL_FORMAT")
 
 
+def models():
+    """Rows of kinds.def."""
+    return deffile.rows(os.path.join(os.path.dirname(os.path.dirname(
+        os.path.abspath(__file__))), "server/models/kinds.def"),
+        "PEL_BUILTIN")
+
+
 def format_table():
     return table(["format", "ending", "Content-Type", ""],
                  [[f"`{name}`", f"`.{ending}`", f"`{mime}`", text]
@@ -295,14 +302,23 @@ def python_name(field):
     return field.name + ("_" if keyword.iskeyword(field.name) else "")
 
 
+def wrapped_words(words):
+    """Lines that together are the words."""
+    lines = textwrap.wrap(words, 62)
+    return [line + " " for line in lines[:-1]] + lines[-1:]
+
+
 def python_field(field, enums):
-    """`name: type = _field(default, unit, minimum, maximum)`"""
+    """`name: type = _field(default, unit, minimum, maximum)`; of an enumeration
+    its words instead of a unit."""
     proto = field.proto
+    words = ""
     kind = PYTHON_TYPES.get(proto.type, "int")
     default = "None"
     if proto.type in (F.TYPE_MESSAGE, F.TYPE_ENUM):
         kind = proto.type_name.split(".")[-1]
     if kind in enums:
+        words = " ".join(value for value, _, _ in enums[kind][1])
         kind = "str"
     if field.repeated:
         return f"    {python_name(field)}: tuple[{kind}, ...] = ()"
@@ -318,7 +334,11 @@ def python_field(field, enums):
         ends += [repr(field.unit), plain(field.minimum), plain(field.maximum)]
     elif field.unit is not None:
         ends.append(repr(field.unit))
-    return f"    {python_name(field)}: {kind} = _field({', '.join(ends)})"
+    text = ", ".join(ends)
+    if words:
+        text += ",\n        words=" + "\n        ".join(
+            f'"{line}"' for line in wrapped_words(words))
+    return f"    {python_name(field)}: {kind} = _field({text})"
 
 
 def python_order(schema, name, out):
@@ -357,7 +377,10 @@ def write_python(schema, path, version):
     out += ["#: What entities are, in the order of the layer `class`.",
             "MODEL_CLASSES = ("]
     out += [f'    "{name}",' for name, _, _ in schema.enums["ModelClass"][1]]
-    out += [")"]
+    out += [")", "", "#: Length and beam of the built-in models [m].",
+            "MODEL_SIZES = {"]
+    out += [f'    "{row[0]}": ({row[3]}, {row[4]}),' for row in models()]
+    out += ["}"]
     order = []
     for root in PYTHON_ROOTS:
         python_order(schema, root, order)

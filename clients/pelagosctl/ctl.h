@@ -97,6 +97,10 @@ enum ctl_exit ctl_fetch(struct ctl *ctl, Pelagos__State **out);
 const char *ctl_nearest(const char *text, const char *const *words,
                         size_t count);
 
+/* beside.c: the path of a program beside this one, of its libexec or of the
+ * PATH; NULL: there is none; g_free(). */
+char *ctl_beside(const char *program);
+
 /* flatten.c: a state as its leaves, in the schema's order. */
 struct ctl_leaf {
     char *path;
@@ -157,6 +161,7 @@ enum ctl_exit ctl_model(struct ctl *ctl);
 enum ctl_exit ctl_preset(struct ctl *ctl);
 enum ctl_exit ctl_bench(struct ctl *ctl);
 enum ctl_exit ctl_optics(struct ctl *ctl);
+enum ctl_exit ctl_dataset(struct ctl *ctl);
 /* ctl_series.c: where --sweep is given, asks the series of the question that
  * *query has, and prints or writes it as --format and --output say. */
 enum ctl_exit ctl_series(struct ctl *ctl, Pelagos__SeriesQuery *query);

@@ -2,10 +2,8 @@
  * pelagos-plot, a process of the Python client. */
 #include "pelagosctl/ctl.h"
 
-#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <gio/gio.h>
 
@@ -257,30 +255,10 @@ static enum ctl_exit ask_picture(struct ctl *ctl, GString *out)
     return CTL_DONE;
 }
 
-/* Beside us, else where the shell would find it. */
-static char *find_program(void)
-{
-    char own[PATH_MAX];
-    ssize_t length = readlink("/proc/self/exe", own, sizeof own - 1);
-    if (length > 0) {
-        own[length] = '\0';
-        g_autofree char *folder = g_path_get_dirname(own);
-        static const char *const places[] = { ".", "../libexec/pelagos" };
-        for (size_t i = 0; i < G_N_ELEMENTS(places); i++) {
-            g_autofree char *there =
-                g_build_filename(folder, places[i], PROGRAM, NULL);
-            if (access(there, X_OK) == 0) {
-                return g_steal_pointer(&there);
-            }
-        }
-    }
-    return g_find_program_in_path(PROGRAM);
-}
-
 static enum ctl_exit draw(const char *kind, const char *file,
                           const GString *data)
 {
-    g_autofree char *program = find_program();
+    g_autofree char *program = ctl_beside(PROGRAM);
     g_autoptr(GError) error = NULL;
     g_autoptr(GBytes) input = g_bytes_new_static(data->str, data->len);
     if (!program) {

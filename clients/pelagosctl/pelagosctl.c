@@ -359,6 +359,37 @@ static const char *const optics_examples[] = {
     NULL,
 };
 
+static const struct ctl_option dataset_options[] = {
+    { 'o', "output", "DIR", "The set's directory (the plan's name)", NULL },
+    { 'w', "workers", "COUNT", "Processes, each with a pelagosd (4, or cores)",
+      NULL },
+    { 0, "device", "LIST",
+      "pelagosd --device of the workers in turn, by commas", NULL },
+    { 0, "threads", "COUNT",
+      "That a worker's software device may keep busy (its share of the cores)",
+      NULL },
+    { 0, "slurm", "HOW", "run: print or submit a job array instead",
+      "print submit" },
+    { 0, "sbatch", "OPTION...", "A line more for sbatch, as --partition=cpu",
+      NULL },
+    { 0, "tasks", "COUNT", "Of the array, 1000 at most (a task a shard)",
+      NULL },
+    { 0, "task", "NUMBER", "work: shards NUMBER, NUMBER + tasks, … alone",
+      NULL },
+    { 0, "no-estimate", NULL, "run: do not measure what it will take", NULL },
+    { 0, "partial", NULL, "merge: of the shards that are there", NULL },
+    { 0 },
+};
+static const char *const dataset_examples[] = {
+    "pelagosctl dataset plan harbour.json\nChecks the plan, draws a few of its "
+    "frames, says what all of them take.",
+    "pelagosctl dataset run harbour.json --workers 4\nDraws it into harbour/; "
+    "the same again goes on where it was.",
+    "pelagosctl dataset run harbour.json --slurm submit\nThe same by a "
+    "cluster.",
+    NULL,
+};
+
 static const char *const get_examples[] = {
     "pelagosctl get\nEverything, one field a line.",
     "pelagosctl get sea.windSpeed\nThe bare value, for scripts.",
@@ -555,6 +586,20 @@ const struct ctl_command ctl_commands[] = {
       "of "
       "water.*; of brdf and sky also time and any number of the state.",
       optics_options, optics_examples, "paths", 1, SIZE_MAX, ctl_optics },
+    { "dataset", "plan|run|status|merge|work PLAN|DIR",
+      "draw labelled frames by the million",
+      "plan reads a plan (docs/datasets.md), refuses what is unknown or out of "
+      "range, draws a few of its frames, and prints what the set will take. "
+      "run does so and draws it: shards of a directory, each whole or not "
+      "there, then index.parquet, annotations.json (COCO) and README.md of "
+      "all. Whatever is killed meanwhile, the same command goes on, and comes "
+      "to the same bits. status DIR says how far it is, merge DIR writes "
+      "index, "
+      "annotations and README.md anew, work DIR is one worker more, on any "
+      "machine that sees the directory. Each worker starts a pelagosd of its "
+      "own; --server is not asked. pelagos-dataset of python3-pelagos does it, "
+      "with python3-numpy.",
+      dataset_options, dataset_examples, "files", 2, 2, ctl_dataset },
     { "completion", "bash|zsh|fish", "print the completion of a shell",
       "Prints a script that completes commands, options, and the paths and "
       "views of the running pelagosd.",

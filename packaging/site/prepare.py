@@ -21,6 +21,7 @@ import mermaid
 PARTS = [
     ("Using it", "docs", ["docs/install.md", "docs/gallery/README.md",
                           "docs/page.md", "docs/models.md", "docs/lights.md",
+                          "docs/datasets.md",
                           "docs/reliability.md", "docs/log.md",
                           "docs/benchmarks.md"]),
     ("Interfaces", "proto", ["proto/manual.md", "http.md", "proto/live.md",

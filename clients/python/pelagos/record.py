@@ -10,9 +10,11 @@ Self = TypeVar("Self", bound="Record")
 
 
 def _field(default: Any, unit: str | None = None,
-           minimum: float | None = None, maximum: float | None = None) -> Any:
+           minimum: float | None = None, maximum: float | None = None,
+           words: str = "") -> Any:
     return dataclasses.field(default=default, metadata={
-        "unit": unit, "minimum": minimum, "maximum": maximum})
+        "unit": unit, "minimum": minimum, "maximum": maximum,
+        "words": tuple(words.split())})
 
 
 @functools.cache

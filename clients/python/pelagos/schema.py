@@ -74,13 +74,45 @@ MODEL_CLASSES = (
     "PERSON",
 )
 
+#: Length and beam of the built-in models [m].
+MODEL_SIZES = {
+    "container-ship": (294, 32.2),
+    "tanker": (244, 42),
+    "bulk-carrier": (190, 32.2),
+    "ferry": (186, 26),
+    "cruise-ship": (294, 32.2),
+    "tug": (32, 11.6),
+    "fishing-boat": (24, 7.2),
+    "sailing-yacht": (12, 3.9),
+    "pilot-launch": (17, 5.2),
+    "patrol-boat": (45, 7.6),
+    "rib": (7.6, 2.7),
+    "usv": (5.4, 2.6),
+    "lateral-port-a": (3, 3),
+    "lateral-starboard-a": (3, 3),
+    "lateral-port-b": (3, 3),
+    "lateral-starboard-b": (3, 3),
+    "cardinal-north": (3, 3),
+    "cardinal-east": (3, 3),
+    "cardinal-south": (3, 3),
+    "cardinal-west": (3, 3),
+    "safe-water": (3, 3),
+    "special-mark": (2.4, 2.4),
+    "isolated-danger": (3, 3),
+    "beacon": (3.2, 3.2),
+    "light-float": (14, 5),
+    "life-raft": (3.4, 3.4),
+    "person": (0.45, 0.66),
+}
+
 
 @dataclass(frozen=True)
 class Clock(Record):
     """Clock."""
     #: What makes simulated time advance.
     #: One of FREE, PACED, STEPPED, HOST.
-    mode: str = _field('FREE')
+    mode: str = _field('FREE',
+        words="FREE PACED STEPPED HOST")
     #: Simulated seconds for each second of wall time. [1; 0 to 100]
     rate: float = _field(1.0, '1', 0, 100)
     #: Simulated time since the scene's epoch. [s; 0 to 1000000000]
@@ -168,7 +200,9 @@ class Sea(Record):
     #: Shape of the wind sea's spectrum.
     #: One of PIERSON_MOSKOWITZ, JONSWAP, TMA, ELFOUHAILY, OMEGA2, MEASURED,
     #: BRETSCHNEIDER.
-    spectrum: str = _field('PIERSON_MOSKOWITZ')
+    spectrum: str = _field('PIERSON_MOSKOWITZ',
+        words="PIERSON_MOSKOWITZ JONSWAP TMA ELFOUHAILY OMEGA2 MEASURED "
+        "BRETSCHNEIDER")
     #: Distance over which the wind has blown, for JONSWAP. [m; 1000 to
     #: 2000000]
     fetch: float = _field(200000.0, 'm', 1000, 2000000)
@@ -180,7 +214,8 @@ class Sea(Record):
     swell: tuple[Swell, ...] = ()
     #: How the waves are made.
     #: One of TROCHOIDS, FFT.
-    synthesiser: str = _field('FFT')
+    synthesiser: str = _field('FFT',
+        words="TROCHOIDS FFT")
     #: Depth of the water, for the speed of the waves and TMA; absent: deep.
     #: [m; 1 to 11000]
     depth: float | None = _field(None, 'm', 1, 11000)
@@ -225,10 +260,12 @@ class Water(Record):
     chlorophyll: float = _field(0.2, 'mg/m3', 0.01, 30)
     #: Jerlov's type, instead of chlorophyll.
     #: One of I, IA, IB, II, III, C1, C3, C5, C7, C9.
-    jerlov: str | None = _field(None)
+    jerlov: str | None = _field(None,
+        words="I IA IB II III C1 C3 C5 C7 C9")
     #: A known water, instead of chlorophyll.
     #: One of TROPICAL, NORTH_ATLANTIC, BALTIC, HARBOUR.
-    named: str | None = _field(None)
+    named: str | None = _field(None,
+        words="TROPICAL NORTH_ATLANTIC BALTIC HARBOUR")
     #: Absorption at 680 nm; with the other two and scattering, instead of
     #: chlorophyll. [1/m; 0.001 to 100]
     absorption680: float | None = _field(None, '1/m', 0.001, 100)
@@ -254,7 +291,8 @@ class Water(Record):
     depth: float = _field(1000.0, 'm', 0.1, 11000)
     #: What the bottom is.
     #: One of BLACK, SAND, MUD, ROCK, CORAL.
-    bottom: str = _field('BLACK')
+    bottom: str = _field('BLACK',
+        words="BLACK SAND MUD ROCK CORAL")
     #: Albedo of the bottom at 680 nm; with the other two, instead of bottom.
     #: [1; 0 to 1]
     albedo680: float | None = _field(None, '1', 0, 1)
@@ -264,7 +302,8 @@ class Water(Record):
     albedo440: float | None = _field(None, '1', 0, 1)
     #: Orders of scattering to draw.
     #: One of ALL, TWO, PAPER, SINGLE.
-    orders: str = _field('ALL')
+    orders: str = _field('ALL',
+        words="ALL TWO PAPER SINGLE")
     #: Salinity: with the temperature, what the water itself scatters and what
     #: its surface reflects. [g/kg; 0 to 42]
     salinity: float = _field(35.0, 'g/kg', 0, 42)
@@ -289,7 +328,8 @@ class Water(Record):
     #: How particles turn light; water itself does by Rayleigh's function. With
     #: coefficients and without backscatter_ratio: HENYEY_GREENSTEIN.
     #: One of FOURNIER_FORAND, HENYEY_GREENSTEIN.
-    phase: str = _field('FOURNIER_FORAND')
+    phase: str = _field('FOURNIER_FORAND',
+        words="FOURNIER_FORAND HENYEY_GREENSTEIN")
     #: Raman scattering by the water: some light of shorter waves becomes green
     #: and red. With orders ALL.
     raman: bool = _field(True)
@@ -359,7 +399,9 @@ class Sky(Record):
     #: What clouds they are.
     #: One of CUMULUS, STRATOCUMULUS, STRATUS, NIMBOSTRATUS, ALTOCUMULUS,
     #: ALTOSTRATUS, CIRRUS, CUMULONIMBUS.
-    cloudGenus: str = _field('CUMULUS')
+    cloudGenus: str = _field('CUMULUS',
+        words="CUMULUS STRATOCUMULUS STRATUS NIMBOSTRATUS ALTOCUMULUS "
+        "ALTOSTRATUS CIRRUS CUMULONIMBUS")
     #: Height of their base; absent: the genus's own. [m; 30 to 12000]
     cloudBase: float | None = _field(None, 'm', 30, 12000)
     #: Their thickness where it is greatest; absent: the genus's own. [m; 50 to
@@ -405,7 +447,8 @@ class Sky(Record):
     #: [deg; 0 to 360]
     fileAzimuth: float = _field(0.0, 'deg', 0, 360)
     #: One of APART, IN_THE_PICTURE, NONE_SEEN.
-    fileSun: str = _field('APART')
+    fileSun: str = _field('APART',
+        words="APART IN_THE_PICTURE NONE_SEEN")
 
 
 @dataclass(frozen=True)
@@ -496,7 +539,8 @@ class LightSector(Record):
     """A sector of a mark's light."""
     #: What is seen there.
     #: One of LIGHT_WHITE, LIGHT_RED, LIGHT_GREEN, LIGHT_YELLOW, LIGHT_BLUE.
-    colour: str = _field('LIGHT_WHITE')
+    colour: str = _field('LIGHT_WHITE',
+        words="LIGHT_WHITE LIGHT_RED LIGHT_GREEN LIGHT_YELLOW LIGHT_BLUE")
     #: It begins at this true bearing, from seaward as charts have it. [deg; 0
     #: to 360]
     begin: float = _field(0.0, 'deg', 0, 360)
@@ -620,12 +664,16 @@ class Entity(Record):
     #: When the lights are lit that its model asks for: of a vessel those of
     #: COLREGS by its length and navigationStatus, of a mark its `light`.
     #: One of OFF, AUTO, ON.
-    lights: str = _field('OFF')
+    lights: str = _field('OFF',
+        words="OFF AUTO ON")
     #: What it does, as its lights say it and AIS.
     #: One of UNDER_WAY, AT_ANCHOR, NOT_UNDER_COMMAND, RESTRICTED, CONSTRAINED,
     #: MOORED, AGROUND, FISHING, SAILING, TOWING, PUSHING, UNDEFINED, TRAWLING,
     #: PILOTING, TOWED, ROWING.
-    navigationStatus: str = _field('UNDEFINED')
+    navigationStatus: str = _field('UNDEFINED',
+        words="UNDER_WAY AT_ANCHOR NOT_UNDER_COMMAND RESTRICTED CONSTRAINED "
+        "MOORED AGROUND FISHING SAILING TOWING PUSHING UNDEFINED "
+        "TRAWLING PILOTING TOWED ROWING")
     #: Of a mark, or of a place without a model.
     light: Light | None = _field(None)
     #: Lamps above its decks.
@@ -672,14 +720,16 @@ class Sensor(Record):
     dropout: bool = _field(False)
     #: What it sees.
     #: One of VISIBLE, LOW_LIGHT, THERMAL.
-    kind: str = _field('VISIBLE')
+    kind: str = _field('VISIBLE',
+        words="VISIBLE LOW_LIGHT THERMAL")
     #: Low light: how long it counts photons. [s; 1e-05 to 1]
     exposureTime: float = _field(0.033, 's', 1e-05, 1)
     #: Low light: focal length over the lens's opening. [1; 0.7 to 32]
     fNumber: float = _field(1.4, '1', 0.7, 32)
     #: Low light: what the screen glows in.
     #: One of GREY, GREEN, WHITE.
-    phosphor: str = _field('GREY')
+    phosphor: str = _field('GREY',
+        words="GREY GREEN WHITE")
     #: Thermal: temperatures from black to white; absent: 20 K times 4^(1 - 2
     #: gain), or with autoGain by sky, air and sea. [K; 0.5 to 300]
     span: float | None = _field(None, 'K', 0.5, 300)
@@ -859,7 +909,8 @@ class View(Record):
     sensor: Sensor | None = _field(None)
     #: Curve from light to screen, of the eye's picture and of the sensor's.
     #: One of FILMIC, LINEAR.
-    tone: str = _field('FILMIC')
+    tone: str = _field('FILMIC',
+        words="FILMIC LINEAR")
     #: Name of a meter, 1 to 64 of A-Z a-z 0-9 _ -: views that name the same,
     #: 12 at most, are exposed alike, by what all of them see, so that they
     #: match side by side, as far as they stand within the same kilometre and
@@ -876,7 +927,8 @@ class View(Record):
     level: bool = _field(False)
     #: Who looks. Glare of an eye is some 0.1 (glare).
     #: One of CAMERA, EYE.
-    vision: str = _field('CAMERA')
+    vision: str = _field('CAMERA',
+        words="CAMERA EYE")
     #: How long the shutter is open, for streaks of rain and snow: a fast one
     #: shows them short and bright. A low-light sensor has its own. [s; 0.0005
     #: to 0.25]
@@ -935,7 +987,8 @@ class Seabed(Record):
     #: more than 2048 x 2048 heights those about the origin are taken.
     file: str | None = _field(None)
     #: One of ELEVATION, DEPTH.
-    values: str = _field('ELEVATION')
+    values: str = _field('ELEVATION',
+        words="ELEVATION DEPTH")
     #: Of the file's zero (chart datum) above mean sea level. [m; -100 to 100]
     offset: float = _field(0.0, 'm', -100, 100)
     #: Latitude of the field's middle; with the next two, for a file that has
@@ -949,7 +1002,8 @@ class Seabed(Record):
     caustics: bool = _field(True)
     #: What the land is; absent: as the bottom, SAND where that is BLACK.
     #: One of BLACK, SAND, MUD, ROCK, CORAL.
-    land: str | None = _field(None)
+    land: str | None = _field(None,
+        words="BLACK SAND MUD ROCK CORAL")
     #: Whether waves feel the bottom of the file: they bend to the shore, grow
     #: and break.
     waves: bool = _field(True)
@@ -991,7 +1045,8 @@ class ExerciseRun(Record):
     #: Its name.
     name: str | None = _field(None)
     #: One of IDLE, READY, RUNNING, PAUSED, ENDED.
-    phase: str = _field('IDLE')
+    phase: str = _field('IDLE',
+        words="IDLE READY RUNNING PAUSED ENDED")
     #: Exercise time when it last stopped running. [s; 0 to 1000000000]
     time: float = _field(0.0, 's', 0, 1000000000)
     #: Simulated time less exercise time, while it runs. [s; -1000000000 to
@@ -1188,7 +1243,8 @@ class WaterLight(Record):
     #: Of the water. [m]
     depth: float | None = _field(None, 'm')
     #: One of ALL, TWO, PAPER, SINGLE.
-    orders: str | None = _field(None)
+    orders: str | None = _field(None,
+        words="ALL TWO PAPER SINGLE")
     #: What the lists are at. [nm]
     wavelength: tuple[float, ...] = ()
     #: Absorption by what absorbs, first by sea water itself; its sum is
@@ -1224,7 +1280,8 @@ class Optics(Record):
     """Optics."""
     #: Whose answer.
     #: One of REFERENCE, GPU, MONTECARLO.
-    from_: str | None = _field(None)
+    from_: str | None = _field(None,
+        words="REFERENCE GPU MONTECARLO")
     #: The device that drew it, of GPU.
     device: str | None = _field(None)
     #: The Sun it is for. [deg]
@@ -1247,7 +1304,9 @@ class Error(Record):
     """Error."""
     #: One of MALFORMED, NOT_FOUND, OUT_OF_RANGE, INVALID, CONFLICT, BUSY,
     #: INTERNAL, UNAUTHORIZED, FORBIDDEN.
-    code: str | None = _field(None)
+    code: str | None = _field(None,
+        words="MALFORMED NOT_FOUND OUT_OF_RANGE INVALID CONFLICT BUSY "
+        "INTERNAL UNAUTHORIZED FORBIDDEN")
     #: Path of the field at fault, if one is.
     path: str | None = _field(None)
     #: The offending value as text.
@@ -1306,7 +1365,13 @@ class ModelInfo(Record):
     #: LATERAL_PORT, LATERAL_STARBOARD, CARDINAL_NORTH, CARDINAL_EAST,
     #: CARDINAL_SOUTH, CARDINAL_WEST, SAFE_WATER, SPECIAL_MARK,
     #: ISOLATED_DANGER, BEACON, LIGHT_FLOAT, LIFE_RAFT, LIFEBOAT, PERSON.
-    class_: str | None = _field(None)
+    class_: str | None = _field(None,
+        words="OTHER CONTAINER_SHIP TANKER BULK_CARRIER CARGO_SHIP FERRY "
+        "CRUISE_SHIP TUG FISHING_BOAT SAILING_YACHT MOTOR_YACHT "
+        "PILOT_LAUNCH PATROL_BOAT WARSHIP WORK_SHIP RIB USV ROWING_BOAT "
+        "LATERAL_PORT LATERAL_STARBOARD CARDINAL_NORTH CARDINAL_EAST "
+        "CARDINAL_SOUTH CARDINAL_WEST SAFE_WATER SPECIAL_MARK "
+        "ISOLATED_DANGER BEACON LIGHT_FLOAT LIFE_RAFT LIFEBOAT PERSON")
     #: Size over all, and of the highest point above the waterline. [m]
     length: float | None = _field(None, 'm')
     #:  [m]
@@ -1384,7 +1449,13 @@ class SeenEntity(Record):
     #: LATERAL_PORT, LATERAL_STARBOARD, CARDINAL_NORTH, CARDINAL_EAST,
     #: CARDINAL_SOUTH, CARDINAL_WEST, SAFE_WATER, SPECIAL_MARK,
     #: ISOLATED_DANGER, BEACON, LIGHT_FLOAT, LIFE_RAFT, LIFEBOAT, PERSON.
-    class_: str | None = _field(None)
+    class_: str | None = _field(None,
+        words="OTHER CONTAINER_SHIP TANKER BULK_CARRIER CARGO_SHIP FERRY "
+        "CRUISE_SHIP TUG FISHING_BOAT SAILING_YACHT MOTOR_YACHT "
+        "PILOT_LAUNCH PATROL_BOAT WARSHIP WORK_SHIP RIB USV ROWING_BOAT "
+        "LATERAL_PORT LATERAL_STARBOARD CARDINAL_NORTH CARDINAL_EAST "
+        "CARDINAL_SOUTH CARDINAL_WEST SAFE_WATER SPECIAL_MARK "
+        "ISOLATED_DANGER BEACON LIGHT_FLOAT LIFE_RAFT LIFEBOAT PERSON")
     #: Of the pixels that show it, by the layer id; absent: none does.
     visible: PixelBox | None = _field(None)
     #: Of its shape above its own waterline, whatever hides it; it may reach
