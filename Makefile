@@ -36,7 +36,7 @@ TEST_PACKAGES := gmt-gshhg-low gstreamer1.0-tools glib-networking gdal-bin gpsd-
     python3-serial-asyncio python3-jsonschema python3-hypothesis \
     xplanet python3-numpy python3-pil python3-pip python3-setuptools python3-venv \
     python3-wheel openexr chromium \
-    slurm-wlm munge nginx-light openssl mypy clang \
+    slurm-wlm munge nginx-light haproxy openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
     tshark iproute2 $(SITE_PACKAGES) $(DEB_PACKAGES) \
     python3-nbclient python3-ipykernel python3-matplotlib \
@@ -641,6 +641,11 @@ dataset-check: deps ## 200 shards of 50 frames, undisturbed and with 30 kills: e
 	$(Q)DATASET_SHARDS=200 DATASET_FRAMES=50 DATASET_KILLS=30 \
 	    /usr/bin/python3 -B tests/dataset_test.py Sets
 
+.PHONY: viewers-check
+viewers-check: deps ## HLS to READERS (500) by two edges and HAProxy, one of which is killed
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)READERS=$(or $(READERS),500) PLAY_S=60 /usr/bin/python3 -B tests/viewers_test.py
+
 # Random walks (docs/machines.md).
 WALKS := $(addprefix $(O)/bin/,machines_test session_walk_test credit_walk_test)
 .PHONY: soak
@@ -764,6 +769,10 @@ $(O)/pelagos.pc: FORCE
 
 EXERCISES = $(wildcard clients/exercises/*.json)
 
+# What brings pictures to many viewers (proto/live.md).
+VIEWERS := packaging/nginx/edge.conf packaging/haproxy/haproxy.cfg \
+    packaging/relay/pelagos-relay
+
 # What `install` puts where, for `uninstall`; then the folders that are ours.
 INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
     $(addprefix $(D)/libexec/pelagos/,pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents pelagos-weather) \
@@ -772,6 +781,7 @@ INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
     $(addprefix $(D)/include/pelagos/,$(notdir $(PUBLIC))) \
     $(addprefix $(D)/share/pelagos/,pelagos.proto openapi.json pelagos.conf) \
     $(addprefix $(D)/share/pelagos/exercises/,$(notdir $(EXERCISES))) \
+    $(addprefix $(D)/share/pelagos/viewers/,$(notdir $(VIEWERS))) \
     $(D)/share/man/man1/pelagosctl.1 $(D)/share/man/man8/pelagosd.8 \
     $(addprefix $(D)/share/bash-completion/completions/,pelagosd pelagosctl) \
     $(D)/share/zsh/site-functions/_pelagosctl \
@@ -779,7 +789,7 @@ INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
     $(DESTDIR)$(UNITDIR)/pelagosd.service \
     $(DESTDIR)$(SYSUSERSDIR)/pelagos.conf $(DESTDIR)$(TMPFILESDIR)/pelagos.conf
 INSTALLED_FOLDERS = $(D)/libexec/pelagos $(D)/include/pelagos \
-    $(D)/share/pelagos/exercises $(D)/share/pelagos $(DESTDIR)$(SYSCONFDIR)/pelagos
+    $(D)/share/pelagos/exercises $(D)/share/pelagos/viewers $(D)/share/pelagos $(DESTDIR)$(SYSCONFDIR)/pelagos
 
 # The loader finds a new library once it is told; a package's own scripts do it
 # where DESTDIR is.
@@ -798,6 +808,8 @@ install: all man $(O)/pelagos.pc $(O)/libpelagos.a $(O)/$(SHARED) ## install bel
 	install -m644 $(PUBLIC) $(D)/include/pelagos
 	install -m644 proto/pelagos.proto $(O)/gen/openapi.json \
 	    packaging/nginx/pelagos.conf $(D)/share/pelagos
+	install -m644 $(filter-out %-relay,$(VIEWERS)) $(D)/share/pelagos/viewers
+	install -m755 $(filter %-relay,$(VIEWERS)) $(D)/share/pelagos/viewers
 	install -m644 $(EXERCISES) $(D)/share/pelagos/exercises
 	install -m644 $(O)/man/pelagosctl.1 $(D)/share/man/man1
 	install -m644 $(O)/man/pelagosd.8 $(D)/share/man/man8

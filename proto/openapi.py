@@ -108,6 +108,8 @@ ANSWERS = {
     "pictures": (("multipart/mixed",), MOMENT),
     "mjpeg": (("multipart/x-mixed-replace",), ["X-Pelagos-Unix"]),
     "ts": (("video/mp2t",), ["X-Pelagos-Unix"]),
+    "hls": (("application/vnd.apple.mpegurl",), []),
+    "hlsPart": (("video/mp2t",), []),
 }
 
 

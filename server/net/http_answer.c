@@ -88,7 +88,10 @@ enum MHD_Result pel_http_send(struct client *client,
         response = MHD_create_response_from_buffer(
             answer->size, (void *)answer->body, MHD_RESPMEM_PERSISTENT);
     }
-    add(response, "Cache-Control", answer->page ? "no-cache" : "no-store");
+    add(response, "Cache-Control",
+        answer->cache  ? answer->cache
+        : answer->page ? "no-cache"
+                       : "no-store");
     if (answer->type) {
         add(response, "Content-Type", answer->type);
     }
@@ -445,6 +448,48 @@ struct pel_frames *pel_http_frames(const struct client *client)
     return client->of_debrief
                ? pel_debrief_frames(client->server->context.debrief)
                : client->server->frames;
+}
+
+/* --- HLS ------------------------------------------------------------------ */
+
+static void on_hls(void *user, enum pel_err err, const struct pel_fault *fault,
+                   const struct pel_hls_answer *answer)
+{
+    struct client *client = wait_end(user);
+    if (!client) {
+        return;
+    }
+    if (err != PEL_OK) {
+        pel_http_send_fault(client, 0, fault);
+    } else {
+        struct pel_http_answer out = { .status = 200,
+                                       .type = answer->type,
+                                       .cache = answer->cache,
+                                       .size = answer->size };
+        out.owned = g_memdup2(answer->data, answer->size);
+        out.body = out.owned;
+        pel_http_send(client, &out);
+    }
+    pel_http_resume(client);
+}
+
+enum MHD_Result pel_http_send_hls(struct client *client,
+                                  struct pel_http_answer *answer)
+{
+    struct waiter *waiter = wait_begin(client);
+    if (answer->kind == PEL_HTTP_HLS_FILE) {
+        pel_hls_file(client->server->hls, answer->file, on_hls, waiter);
+    } else {
+        struct pel_hls_wish *wish = &answer->hls;
+        wish->profile = answer->profile;
+        g_strlcpy(wish->view, answer->view, sizeof wish->view);
+        pel_hls_playlist(client->server->hls, wish, on_hls, waiter);
+    }
+    pel_http_answer_finish(answer);
+    if (client->waiting) {
+        pel_http_suspend(client);
+    }
+    return MHD_YES;
 }
 
 /* --- Motion JPEG and MPEG-TS ---------------------------------------------- */

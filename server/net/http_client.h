@@ -88,6 +88,7 @@ struct pel_http_server {
     struct pel_mjpeg_stats mjpeg;
     struct pel_live_stats live;
     struct pel_ts_stats ts;
+    struct pel_hls *hls;
     uint64_t answers[PEL_HTTP_STATUS_MAX];
     uint64_t accepted, refused, evicted, malformed, timeouts, vanished;
 };
@@ -152,6 +153,9 @@ enum MHD_Result pel_http_send_stepped(struct client *client,
                                       struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_patched(struct client *client,
                                       struct pel_http_answer *answer);
+/* A playlist or a file of one. */
+enum MHD_Result pel_http_send_hls(struct client *client,
+                                  struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_stream(struct client *client,
                                      struct pel_http_answer *answer);
 

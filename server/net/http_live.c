@@ -1,5 +1,5 @@
 /* GET /v1/views/NAME/live, the handshake of a WebSocket as request and answer;
- * and GET /v1/views/NAME/ts, the same video for players. */
+ * GET /v1/views/NAME/ts, the same video for players; and in pieces, as HLS. */
 #include <stdio.h>
 #include <string.h>
 
@@ -161,28 +161,66 @@ static bool is_of_video(const char *name)
            strcmp(name, "bitrate") == 0;
 }
 
-void pel_http_get_ts(const struct pel_http_call *call)
+/* What players ask with when they reload a playlist (RFC 8216bis, 6.2.5). */
+static enum pel_err read_reload(const struct pel_http_pair *pair,
+                                struct pel_hls_wish *wish,
+                                struct pel_fault *fault)
+{
+    unsigned value = 0;
+    bool msn = strcmp(pair->name, "_HLS_msn") == 0;
+    enum pel_err err = read_number(pair, 0, G_MAXINT32, &value, fault);
+    *(msn ? &wish->msn : &wish->part) = value;
+    return err;
+}
+
+static void get_video(const struct pel_http_call *call, enum pel_http_kind kind)
 {
     struct pel_fault fault;
+    bool list = kind == PEL_HTTP_HLS;
+    struct pel_hls_wish *reload = &call->answer->hls;
     if (!pel_http_need_view(call)) {
         return;
     }
     call->answer->profile = (struct pel_profile){ .codec = PEL_CODEC_H264 };
+    reload->msn = reload->part = -1;
     for (size_t i = 0; i < call->target->query_count; i++) {
         const struct pel_http_pair *pair = &call->target->query[i];
         enum pel_err err =
-            is_of_video(pair->name)
-                ? read_pair(pair, call->answer, &fault)
+            is_of_video(pair->name) ? read_pair(pair, call->answer, &fault)
+            : list && g_str_has_prefix(pair->name, "_HLS_")
+                ? read_reload(pair, reload, &fault)
                 : pel_fault_value(&fault, PEL_ERR_NOT_FOUND, pair->name,
                                   pair->value,
                                   "no such parameter: width, height and "
                                   "bitrate are known");
+        if (err == PEL_OK && reload->part >= 0 && reload->msn < 0 &&
+            i + 1 == call->target->query_count) {
+            err = pel_fault_value(&fault, PEL_ERR_INVALID, "_HLS_part",
+                                  pair->value, "needs _HLS_msn beside it");
+        }
         if (err != PEL_OK) {
             pel_http_refuse(call, 400, &fault);
             return;
         }
     }
-    call->answer->kind = PEL_HTTP_TS;
+    call->answer->kind = kind;
     snprintf(call->answer->view, sizeof call->answer->view, "%s",
              pel_http_view_name(call));
+}
+
+void pel_http_get_ts(const struct pel_http_call *call)
+{
+    get_video(call, PEL_HTTP_TS);
+}
+
+void pel_http_get_hls(const struct pel_http_call *call)
+{
+    get_video(call, PEL_HTTP_HLS);
+}
+
+void pel_http_get_hls_file(const struct pel_http_call *call)
+{
+    call->answer->kind = PEL_HTTP_HLS_FILE;
+    snprintf(call->answer->file, sizeof call->answer->file, "%s",
+             call->target->segments[2]);
 }

@@ -10,6 +10,7 @@
 #include "base/metrics.h"
 #include "frames/debrief.h"
 #include "frames/frames.h"
+#include "net/hls.h"
 #include "net/http_request.h"
 #include "net/series.h"
 #include "net/token.h"
@@ -36,20 +37,22 @@ struct pel_http_context {
 };
 
 enum pel_http_kind {
-    PEL_HTTP_WHOLE,      /* status, type and body are there */
-    PEL_HTTP_FRAME,      /* carry out `frame`, answer with the picture */
-    PEL_HTTP_FRAMES,     /* carry out `frames`, answer with the pictures */
-    PEL_HTTP_MJPEG,      /* stream `view` */
-    PEL_HTTP_TS,         /* stream `view` in `profile` */
-    PEL_HTTP_LIVE,       /* a WebSocket: 101, then `live` */
-    PEL_HTTP_SURFACE,    /* carry out `surface`, answer with JSON */
-    PEL_HTTP_OPTICS,     /* carry out `optics`, answer with JSON */
-    PEL_HTTP_SPECTRUM,   /* carry out `spectrum`, answer with JSON */
-    PEL_HTTP_ALMANAC,    /* carry out `almanac`, answer with JSON */
-    PEL_HTTP_MODELS,     /* list the models, answer with JSON */
-    PEL_HTTP_SERIES,     /* carry out `series`, answer with its file */
-    PEL_HTTP_PATCH,      /* commit `patch`, answer with the state */
-    PEL_HTTP_STEP,       /* carry out `step`, answer with the state */
+    PEL_HTTP_WHOLE,    /* status, type and body are there */
+    PEL_HTTP_FRAME,    /* carry out `frame`, answer with the picture */
+    PEL_HTTP_FRAMES,   /* carry out `frames`, answer with the pictures */
+    PEL_HTTP_MJPEG,    /* stream `view` */
+    PEL_HTTP_TS,       /* stream `view` in `profile` */
+    PEL_HTTP_HLS,      /* the playlist of `view` in `profile`, as `hls` says */
+    PEL_HTTP_HLS_FILE, /* `file`, which a playlist names */
+    PEL_HTTP_LIVE,     /* a WebSocket: 101, then `live` */
+    PEL_HTTP_SURFACE,  /* carry out `surface`, answer with JSON */
+    PEL_HTTP_OPTICS,   /* carry out `optics`, answer with JSON */
+    PEL_HTTP_SPECTRUM, /* carry out `spectrum`, answer with JSON */
+    PEL_HTTP_ALMANAC,  /* carry out `almanac`, answer with JSON */
+    PEL_HTTP_MODELS,   /* list the models, answer with JSON */
+    PEL_HTTP_SERIES,   /* carry out `series`, answer with its file */
+    PEL_HTTP_PATCH,    /* commit `patch`, answer with the state */
+    PEL_HTTP_STEP,     /* carry out `step`, answer with the state */
     PEL_HTTP_RECORDINGS, /* list the recordings, answer with JSON */
 };
 
@@ -63,6 +66,7 @@ struct pel_http_answer {
     bool debrief;      /* pictures are of its views, not of the live ones */
     bool close;        /* the connection cannot go on */
     bool page;         /* a file of the page: may be kept, with care */
+    const char *cache; /* Cache-Control, static; NULL: as `page` says */
     const char *allow; /* Allow header, static, or NULL */
     char tag[64];      /* ETag header, or "" */
     char location[96]; /* Location header, or "" */
@@ -80,13 +84,15 @@ struct pel_http_answer {
     char view[PEL_NAME_SIZE];
     double fps; /* at most; 0: every frame */
     int quality;
-    struct pel_profile profile; /* of LIVE and TS */
-    unsigned credit;            /* of LIVE: pictures not acknowledged */
-    char accept[32];            /* of LIVE: Sec-WebSocket-Accept */
-    bool upgrade;               /* Upgrade header of a 426 */
-    bool subprotocol;           /* of LIVE: the viewer offered `pelagos` */
-    bool challenge;             /* WWW-Authenticate headers of a 401 */
-    bool challenge_basic;       /* Basic too: not for a page's own requests */
+    struct pel_profile profile; /* of LIVE, TS and HLS */
+    struct pel_hls_wish hls;    /* of HLS: its msn and part */
+    char file[48];
+    unsigned credit;      /* of LIVE: pictures not acknowledged */
+    char accept[32];      /* of LIVE: Sec-WebSocket-Accept */
+    bool upgrade;         /* Upgrade header of a 426 */
+    bool subprotocol;     /* of LIVE: the viewer offered `pelagos` */
+    bool challenge;       /* WWW-Authenticate headers of a 401 */
+    bool challenge_basic; /* Basic too: not for a page's own requests */
 };
 
 void pel_http_answer_finish(struct pel_http_answer *answer);

@@ -194,6 +194,9 @@ static enum MHD_Result take_request(struct client *client, const char *method)
     case PEL_HTTP_MJPEG:
     case PEL_HTTP_TS:
         return pel_http_send_stream(client, &answer);
+    case PEL_HTTP_HLS:
+    case PEL_HTTP_HLS_FILE:
+        return pel_http_send_hls(client, &answer);
     case PEL_HTTP_LIVE:
         return pel_http_send_live(client, &answer);
     case PEL_HTTP_WHOLE:
@@ -541,6 +544,7 @@ enum pel_err pel_http_server_create(const struct pel_net_limits *limits,
         g_source_add_unix_fd(&server->source->source, epoll, G_IO_IN);
     g_source_attach(&server->source->source, NULL);
     server->sweeper = g_timeout_add(SWEEP_MS, sweep, server);
+    server->hls = pel_hls_create(frames);
     *out = server;
     return PEL_OK;
 }
@@ -560,6 +564,7 @@ void pel_http_server_destroy(struct pel_http_server *server)
     }
     MHD_run(server->daemon);
     MHD_stop_daemon(server->daemon);
+    pel_hls_destroy(server->hls);
     g_ptr_array_free(server->clients, TRUE);
     g_free(server);
 }
@@ -633,4 +638,5 @@ void pel_http_server_collect(const struct pel_http_server *server,
             server->ts.bytes);
     counter(page, "pelagos_ts_starved_total", "Times that one fell behind.",
             NULL, server->ts.starved);
+    pel_hls_collect(server->hls, page);
 }

@@ -44,6 +44,8 @@ void pel_http_delete_preset(const struct pel_http_call *call);
 /* http_live.c */
 void pel_http_get_live(const struct pel_http_call *call);
 void pel_http_get_ts(const struct pel_http_call *call);
+void pel_http_get_hls(const struct pel_http_call *call);
+void pel_http_get_hls_file(const struct pel_http_call *call);
 
 /* Sets a scalar of a message by a parameter of its name: NOT_FOUND, INVALID. */
 PEL_CHECK enum pel_err pel_http_number(ProtobufCMessage *message,
