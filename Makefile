@@ -25,7 +25,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev \
-    libnova-dev libssl-dev libgdal-dev libhdf5-dev libnetcdf-dev libassimp-dev
+    libcurl4-openssl-dev libnova-dev libssl-dev libgdal-dev libhdf5-dev libnetcdf-dev libassimp-dev
 # What `make site` is made by.
 SITE_PACKAGES := python3-sphinx python3-myst-parser furo graphviz groff
 # What `make deb` is made by.
@@ -38,7 +38,7 @@ TEST_PACKAGES := gmt-gshhg-low gstreamer1.0-tools glib-networking gdal-bin gpsd-
     python3-wheel openexr chromium \
     slurm-wlm munge nginx-light haproxy openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
-    tshark iproute2 $(SITE_PACKAGES) $(DEB_PACKAGES) \
+    tshark iproute2 nftables etcd-server etcd-client $(SITE_PACKAGES) $(DEB_PACKAGES) \
     python3-nbclient python3-ipykernel python3-matplotlib \
     colcon python3-colcon-ros python3-ament-package python3-genmsg python3-nav-msgs \
     python3-rosgraph-msgs python3-sensor-msgs python3-tf2-msgs
@@ -56,7 +56,7 @@ PAGE_PACKAGES := uplot@1.6.32
 UPLOT ?= $(firstword $(wildcard third-party/uplot) build/npm-page/node_modules/uplot)
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd \
-    libprotobuf-c libmodbus libjpeg libturbojpeg spng OpenEXR libsystemd openssl \
+    libprotobuf-c libmodbus libjpeg libturbojpeg spng OpenEXR libsystemd openssl libcurl \
     gstreamer-1.0 gstreamer-app-1.0 gstreamer-video-1.0 \
     gstreamer-rtsp-server-1.0 gstreamer-rtsp-1.0
 
@@ -115,6 +115,7 @@ ENCODE := $(call room,server/encode)
 FRAMES := $(call room,server/frames)
 NET := $(call room,server/net)
 BRIDGES := $(call room,server/bridges)
+CLUSTER := $(call room,server/cluster)
 # Programs of their own: GDAL and assimp are not the daemon's.
 SEABED_READER := $(call room,server/seabed/reader)
 MODEL_READER := $(call room,server/models/reader)
@@ -163,7 +164,7 @@ OBJ := $(O)/obj-$(KEY)
 
 # --- rules ----------------------------------------------------------------
 SERVER := $(BASE) $(OCEAN) $(SEABED) $(MODELS) $(PANORAMA) $(CONTINENTS) $(WEATHER) $(OPTICS) $(PROTO) $(SCENE) $(RENDER) $(ENCODE) \
-    $(FRAMES) $(NET) $(BRIDGES) $(OPTIONS)
+    $(FRAMES) $(CLUSTER) $(NET) $(BRIDGES) $(OPTIONS)
 GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c \
     $(O)/gen/pages.c
 GEN_HEADERS := $(O)/gen/pelagos.pb-c.h
@@ -456,6 +457,12 @@ check: deps ## build, then lint, every test and the quick form of validate
 
 # Executable scripts only: what they share is not executable.
 E2E = $(shell find tests -maxdepth 1 -type f -perm -u+x \( -name '*.sh' -o -name '*.py' -o -name '*.mjs' -o -name '*_test' \) | sort)
+
+.PHONY: cluster-check
+cluster-check: deps ## one exercise on machines in namespaces: losses, kills, cuts (root; ARGS='--kills 5 …')
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/cluster/history.py
+	$(Q)/usr/bin/python3 -B tests/cluster/check.py $(ARGS)
 
 .PHONY: mutate
 mutate: deps ## break MUTANTS (200) lines at random, see which tests notice (SEED=1 ROOMS='ocean …')

@@ -18,6 +18,7 @@
 #include "bridges/nmea.h"
 #include "bridges/nmea_out.h"
 #include "bridges/nmea_tcp.h"
+#include "cluster/cluster.h"
 #include "frames/debrief.h"
 #include "frames/frames.h"
 #include "net/net.h"
@@ -42,6 +43,7 @@ struct daemon {
     struct pel_recorder *recorder;
     struct pel_debrief *debrief;
     struct pel_exercises *exercises;
+    struct pel_cluster *cluster; /* NULL: a daemon by itself */
     struct pel_metrics *metrics;
     struct pel_net *net;
     struct pel_modbus *modbus;
@@ -170,11 +172,39 @@ static enum pel_err start_exercises(struct daemon *d, struct pel_fault *fault)
     return err;
 }
 
+static enum pel_err start_cluster(struct daemon *d, struct pel_fault *fault)
+{
+    const struct pel_cluster_options options = {
+        .url = d->options.exercise,
+        .cert = or_null(d->options.exercise_cert),
+        .key = or_null(d->options.exercise_key),
+        .ca = or_null(d->options.exercise_ca),
+        .name = or_null(d->options.exercise_node),
+        .address = *d->options.exercise_address ? d->options.exercise_address
+                                                : d->options.http,
+        .rank = d->options.exercise_rank,
+        .rate_hz = d->options.fps,
+        .program = "pelagosd " PEL_VERSION,
+        .wave_count = d->options.waves,
+        .stray = (uint64_t)d->options.exercise_stray,
+    };
+    if (!*d->options.exercise || strcmp(d->options.exercise, "off") == 0) {
+        return PEL_OK;
+    }
+    enum pel_err err =
+        pel_cluster_create(&options, d->scene, d->frames, &d->cluster, fault);
+    if (err == PEL_OK) {
+        pel_metrics_add(d->metrics, pel_cluster_collect, d->cluster);
+    }
+    return err;
+}
+
 static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
 {
     struct pel_net_options options = {
         .unix_path = or_null(d->options.unix_path),
         .exercises = d->exercises,
+        .cluster = d->cluster,
         .metrics = d->metrics,
         .debrief = d->debrief,
         .token_path = or_null(d->options.token_file),
@@ -340,9 +370,9 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
 static enum pel_err start(struct daemon *d, struct pel_fault *fault)
 {
     enum pel_err (*const parts[])(struct daemon *, struct pel_fault *) = {
-        start_realtime,  start_scene,  start_frames, start_record,
-        start_exercises, start_modbus, start_net,    start_nmea,
-        start_nmea_out,  start_cigi,   start_console
+        start_realtime,  start_scene,    start_frames, start_record,
+        start_exercises, start_cluster,  start_modbus, start_net,
+        start_nmea,      start_nmea_out, start_cigi,   start_console
     };
     d->metrics = pel_metrics_create();
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
@@ -365,6 +395,10 @@ static bool finish(struct daemon *d)
     pel_nmea_tcp_destroy(d->nmea_tcp);
     pel_nmea_destroy(d->nmea);
     pel_net_destroy(d->net);
+    if (d->cluster) {
+        pel_metrics_remove(d->metrics, pel_cluster_collect, d->cluster);
+    }
+    pel_cluster_destroy(d->cluster);
     if (d->frames) {
         pel_metrics_remove(d->metrics, pel_frames_collect, d->frames);
     }
@@ -422,6 +456,9 @@ static void apply_live(struct daemon *d, const struct pel_options *fresh)
     d->options.quality = fresh->quality;
     pel_log_set_level((enum pel_log_level)d->options.log_level);
     pel_frames_set_max_fps(d->frames, d->options.fps);
+    if (d->cluster) {
+        pel_cluster_set_rate(d->cluster, d->options.fps);
+    }
     pel_frames_set_quality(d->frames, d->options.quality);
 }
 

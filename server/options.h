@@ -58,6 +58,12 @@ struct pel_options {
     char panoramas[PEL_OPTION_TEXT], recordings[PEL_OPTION_TEXT];
     char exercises[PEL_OPTION_TEXT];
     char models[PEL_OPTION_TEXT];
+    char exercise[PEL_OPTION_TEXT], exercise_node[PEL_OPTION_TEXT];
+    char exercise_address[PEL_OPTION_TEXT];
+    char exercise_cert[PEL_OPTION_TEXT], exercise_key[PEL_OPTION_TEXT];
+    char exercise_ca[PEL_OPTION_TEXT];
+    int exercise_rank;
+    int exercise_stray;
     char device[PEL_OPTION_TEXT];
     double fps, quality; /* quality: 0 is auto */
     int encoder_threads;

@@ -23,9 +23,9 @@ static const struct action_text actions[] = {
 static const char *title(const char *section)
 {
     static const struct action_text titles[] = {
-        { "network", "Clients" }, { "scene", "Scene" },
-        { "render", "Drawing" },  { "bridges", "Simulators" },
-        { "log", "Log" },
+        { "network", "Clients" },     { "scene", "Scene" },
+        { "render", "Drawing" },      { "bridges", "Simulators" },
+        { "nodes", "Several nodes" }, { "log", "Log" },
     };
     for (size_t i = 0; i < sizeof titles / sizeof *titles; i++) {
         if (strcmp(titles[i].name, section) == 0) {

@@ -254,6 +254,33 @@ const struct pel_option pel_option_table[] = {
       .offset = FIELD(cigi_rate),
       .help = "Start of Frame a second, and host frames without timestamps." },
 
+    { "exercise", "nodes", PEL_OPTION_TEXT_KIND, "URL[,URL...]/NAME|off", "",
+      .offset = FIELD(exercise),
+      .help = "The exercise that this daemon shows together with others, which "
+              "give the same: http://10.0.0.1:2379,http://10.0.0.2:2379/NAME, "
+              "where etcd answers. One of them takes the edits, and all show "
+              "the same frames (docs/cluster.md)." },
+    { "exercise-node", "nodes", PEL_OPTION_TEXT_KIND, "NAME", "",
+      .offset = FIELD(exercise_node),
+      .help = "Name of this node, another for each; else the machine's." },
+    { "exercise-address", "nodes", PEL_OPTION_TEXT_KIND, "ADDRESS", "",
+      .offset = FIELD(exercise_address),
+      .help = "Where clients reach this node, as it is told to those who send "
+              "an edit to another one; else what --http says." },
+    { "exercise-rank", "nodes", PEL_OPTION_INT, "RANK", "0", -1, 99, "",
+      .offset = FIELD(exercise_rank),
+      .help = "Of the nodes that are there the one with the lowest takes over "
+              "where the master falls silent; -1 never does." },
+    { "exercise-cert", "nodes", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(exercise_cert),
+      .help = "Certificate in PEM that is shown to etcd." },
+    { "exercise-key", "nodes", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(exercise_key), .help = "Key of --exercise-cert in PEM." },
+    { "exercise-ca", "nodes", PEL_OPTION_PATH, "FILE|off", "off",
+      .offset = FIELD(exercise_ca),
+      .help = "Certificates in PEM of those who may sign etcd's; else the "
+              "system's." },
+
     { "log-level", "log", PEL_OPTION_CHOICE, "LEVEL", "info",
       .choices = level_words, .live = true, .offset = FIELD(log_level),
       .help = "Records less important than this are not written." },
@@ -284,5 +311,9 @@ const struct pel_option pel_developer_table[] = {
     { "PELAGOS_GL_LOSE_DEVICE", "developer", PEL_OPTION_INT, "INDEX", "-1", -1,
       15, "of the list of devices", .offset = FIELD(gl_lose_device),
       .help = "Pretends so of this device alone; -1: of all." },
+    { "PELAGOS_EXERCISE_STRAY", "developer", PEL_OPTION_INT, "FRAME", "0", 0,
+      1000000000, "", .offset = FIELD(exercise_stray),
+      .help = "Makes this node's state another one before this frame of an "
+              "exercise, once; 0: never." },
     { 0 },
 };

@@ -562,6 +562,26 @@ enum pel_client_code pel_client_exercise(
     return code;
 }
 
+enum pel_client_code pel_client_cluster(struct pel_client *client,
+                                        Pelagos__Cluster **out,
+                                        struct pel_client_error *error)
+{
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    Pelagos__ClusterQuery query = PELAGOS__CLUSTER_QUERY__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_CLUSTER;
+    request.cluster = &query;
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code =
+        call(client, &request, PELAGOS__REPLY__RESULT_CLUSTER, &reply, error);
+    if (code == PEL_CLIENT_OK) {
+        *out = reply->cluster;
+        reply->cluster = NULL;
+        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+        pelagos__reply__free_unpacked(reply, NULL);
+    }
+    return code;
+}
+
 enum pel_client_code pel_client_optics(struct pel_client *client,
                                        const Pelagos__OpticsQuery *query,
                                        Pelagos__Optics **out,

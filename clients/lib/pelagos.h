@@ -183,6 +183,12 @@ PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code pel_client_exercise(
     struct pel_client *client, const Pelagos__ExerciseCommand *command,
     Pelagos__ExerciseStatus **out, struct pel_client_error *error);
 
+/* The nodes that show the exercise; no name: the server is none of them. Free
+ * *out with pelagos__cluster__free_unpacked(). */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_cluster(struct pel_client *client, Pelagos__Cluster **out,
+                   struct pel_client_error *error);
+
 /* Numbers of light (query->brdf or query->sky), of the state in force or of
  * what query->patch would make of it; the scene stays as it is. Free *out with
  * pelagos__optics__free_unpacked(). */

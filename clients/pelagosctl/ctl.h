@@ -154,6 +154,7 @@ enum ctl_exit ctl_spectrum(struct ctl *ctl);
 enum ctl_exit ctl_plot(struct ctl *ctl);
 enum ctl_exit ctl_record(struct ctl *ctl);
 enum ctl_exit ctl_exercise(struct ctl *ctl);
+enum ctl_exit ctl_cluster(struct ctl *ctl);
 enum ctl_exit ctl_models(struct ctl *ctl);
 enum ctl_exit ctl_recordings(struct ctl *ctl);
 enum ctl_exit ctl_debrief(struct ctl *ctl);

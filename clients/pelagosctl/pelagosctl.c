@@ -169,6 +169,10 @@ static const char *const exercise_examples[] = {
     "second.",
     NULL,
 };
+static const char *const cluster_examples[] = {
+    "pelagosctl cluster\nWho is the master, and whether all show the same.",
+    NULL,
+};
 static const char *const model_examples[] = {
     "pelagosctl model check ferry/ferry.glb\nBefore it goes into the directory "
     "of pelagosd --models.",
@@ -521,6 +525,13 @@ const struct ctl_command ctl_commands[] = {
       "what was logged of own ship and its targets as CSV, of several own "
       "ships those of the one with that number.",
       NULL, exercise_examples, NULL, 0, 3, ctl_exercise },
+    { "cluster", "", "list the nodes of an exercise on several machines",
+      "Of each node of pelagosd --exercise, as it said within the last second: "
+      "its role, the last sealed frame that it shows and by how many it is "
+      "behind, the digest of its state then, the time from a seal to its "
+      "pictures, its clock minus the master's, what went wrong, and where it "
+      "is reached. A node that says nothing is silent.",
+      NULL, cluster_examples, NULL, 0, 0, ctl_cluster },
     { "step", "[SECONDS]", "advance simulated time in mode STEPPED",
       "Advances the clock by SECONDS (1/30) and prints the new time. Only in "
       "clock.mode STEPPED.",

@@ -97,6 +97,7 @@ struct pel_moment {
 
 struct pel_frames {
     struct pel_scene *scene;
+    struct pel_sealed sealed; /* what is shown of it; no snapshot: all */
     struct pel_mailbox box;
     struct pel_encoder_pool *pool;
     struct pel_surface_pool *surface_pool;
@@ -147,10 +148,18 @@ struct pel_frames {
     struct pel_window ready_ms; /* live frames: stamp to bytes */
 };
 
+/* --- shown.c: what there is to be seen ----------------------------------- */
+
+/* Of the scene's present, or of what was sealed; a new reference, and time. */
+const struct pel_snapshot *pel_shown_snapshot(const struct pel_frames *frames);
+double pel_shown_time(const struct pel_frames *frames);
+
 /* --- schedule.c: frames begin and end ------------------------------------ */
 
 /* Timer of live views: draws one frame of every stream and waiting request. */
 void pel_schedule_tick(void *user);
+/* There is something else to be seen: draws it at once. */
+void pel_schedule_shown(struct pel_frames *frames);
 /* Starts frames for waiting requests, as far as there is room. */
 void pel_schedule_start(void *user);
 /* Has pel_schedule_start run in the next turn of the main loop. */

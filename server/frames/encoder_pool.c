@@ -38,7 +38,8 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
     frame->number = output->stream ? job->number : job->moment;
     frame->revision = job->snapshot->revision;
     frame->host_frame = job->host_frame;
-    frame->stale = pel_snapshot_stale(job->snapshot, job->environment.time_s);
+    frame->stale =
+        pel_snapshot_stale(job->snapshot, job->environment.time_s) | job->stale;
     frame->time_s = job->environment.time_s;
     frame->exposure_ev = picture->exposure_ev;
     frame->width = part->width;

@@ -62,7 +62,7 @@ static uint64_t pixels_asked(const struct pel_frames *frames,
 bool pel_fair_is_large(const struct pel_frames *frames,
                        const struct pel_frame_request *request)
 {
-    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    const struct pel_snapshot *s = pel_shown_snapshot(frames);
     uint64_t pixels = pixels_asked(frames, s, request);
     pel_snapshot_unref(s);
     return pixels > most_at_once(frames);

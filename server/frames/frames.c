@@ -40,7 +40,7 @@ static void scene_changed(void *user)
 {
     struct pel_frames *frames = user;
     if (frames->subscription_count > 0) {
-        const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+        const struct pel_snapshot *s = pel_shown_snapshot(frames);
         pel_live_check(frames, s);
         pel_snapshot_unref(s);
     }
@@ -177,6 +177,7 @@ static void drop_jobs(struct pel_frames *frames)
         pthread_mutex_destroy(&job->standing);
     }
     free(frames->jobs);
+    pel_snapshot_unref(frames->sealed.snapshot);
 }
 
 bool pel_frames_retire(struct pel_frames *frames)
@@ -238,7 +239,7 @@ void pel_frames_get_stats(const struct pel_frames *frames,
 {
     *out = frames->stats;
     out->subscriptions = frames->subscription_count;
-    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    const struct pel_snapshot *s = pel_shown_snapshot(frames);
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {
         const struct pel_stream *stream = &frames->streams[i];
         if (stream->serial) {

@@ -225,6 +225,22 @@ PEL_CHECK enum pel_err pel_frames_optics(struct pel_frames *frames,
                                          pel_optics_callback done, void *user,
                                          struct pel_fault *fault);
 
+/* A frame that is sealed: the same for all who show it. */
+struct pel_sealed {
+    const struct pel_snapshot *snapshot; /* NULL: the scene's present */
+    double time_s;
+    uint64_t number;
+    int64_t present_ns; /* CLOCK_MONOTONIC */
+    uint32_t host_frame;
+    bool coasts; /* the next one is late: pictures are stale by `exercise` */
+};
+
+/* From now on everything shows this and no more, instead of the scene as it is:
+ * pictures, streams, queries of the surface. Live views draw one frame now, and
+ * none by their own clock, until the scene's present is shown again. Takes a
+ * reference. */
+void pel_frames_show(struct pel_frames *frames, const struct pel_sealed *what);
+
 /* Counters since the start, for /metrics and the log. */
 struct pel_frames_stats {
     uint64_t frames_drawn, views_drawn, frames_skipped;

@@ -106,7 +106,7 @@ static enum pel_err check(struct pel_frames *frames,
         return pel_request_refuse(frames, fault, PEL_ERR_OUT_OF_RANGE, "time",
                                   "time is outside 0 .. 1e9 s");
     }
-    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    const struct pel_snapshot *s = pel_shown_snapshot(frames);
     enum pel_err err = PEL_OK;
     for (size_t i = 0; i < request->n_frames && err == PEL_OK; i++) {
         err = check_one(frames, request->frames[i], i, fault);

@@ -120,7 +120,8 @@ struct pel_job {
     uint32_t host_frame;
     int64_t requested_ns;
     int64_t present_ns;
-    double scale; /* of live draws */
+    unsigned stale; /* beyond the snapshot's, of enum pel_stale */
+    double scale;   /* of live draws */
     int64_t launched_ns;
     int64_t drawn_ns; /* when the last picture was there */
     const struct pel_snapshot *snapshot;

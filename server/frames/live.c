@@ -151,7 +151,7 @@ static enum pel_err check(struct pel_frames *frames, const char *view,
         return refuse(frames, fault, PEL_ERR_CONFLICT, "", "",
                       "the daemon is stopping");
     }
-    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    const struct pel_snapshot *s = pel_shown_snapshot(frames);
     int index = pel_snapshot_find_view(s, view);
     pel_snapshot_unref(s);
     if (index < 0) {
@@ -180,7 +180,7 @@ static enum pel_err check_budget(struct pel_frames *frames, const char *view,
                                  const struct pel_stream *instead,
                                  struct pel_fault *fault)
 {
-    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    const struct pel_snapshot *s = pel_shown_snapshot(frames);
     uint64_t asked = pel_live_pixels(s, view, profile), taken = 0;
     unsigned encoders = 0;
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {

@@ -115,7 +115,7 @@ enum pel_err pel_frames_optics(struct pel_frames *frames,
     own.patch = NULL;
     query->asked = (Pelagos__OpticsQuery *)pel_message_copy(&own.base);
     query->time_s =
-        question->has_time ? question->time : pel_scene_time(frames->scene);
+        question->has_time ? question->time : pel_shown_time(frames);
     query->mail.kind = PEL_MAIL_OPTICS;
     query->snapshot = s;
     query->question = question->question_case;

@@ -57,7 +57,7 @@ static unsigned read_layers(const Pelagos__FrameRequest *request)
 
 static bool view_exists(struct pel_frames *frames, const char *view)
 {
-    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    const struct pel_snapshot *s = pel_shown_snapshot(frames);
     bool exists = view && pel_snapshot_find_view(s, view) >= 0;
     pel_snapshot_unref(s);
     return exists;
@@ -65,7 +65,7 @@ static bool view_exists(struct pel_frames *frames, const char *view)
 
 static bool is_radar(struct pel_frames *frames, const char *view)
 {
-    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    const struct pel_snapshot *s = pel_shown_snapshot(frames);
     int index = view ? pel_snapshot_find_view(s, view) : -1;
     bool radar = index >= 0 && s->views[index].radar.on;
     pel_snapshot_unref(s);
@@ -96,7 +96,7 @@ static enum pel_err check_memory(struct pel_frames *frames,
                                  const Pelagos__FrameRequest *r,
                                  struct pel_fault *fault)
 {
-    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    const struct pel_snapshot *s = pel_shown_snapshot(frames);
     size_t bytes = pel_request_bytes(s, r);
     pel_snapshot_unref(s);
     char message[160];

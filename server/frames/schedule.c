@@ -142,7 +142,8 @@ static uint64_t first_number(const struct pel_frames *frames,
  * the one of their moment. */
 static void number_job(const struct pel_frames *frames, struct pel_job *job)
 {
-    uint64_t next = frames->number + 1;
+    uint64_t next =
+        frames->sealed.snapshot ? frames->sealed.number : frames->number + 1;
     job->moment = first_number(frames, job);
     job->moment = job->moment ? job->moment : next;
     job->number = job->live ? next : job->moment;
@@ -166,16 +167,20 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
                                  bool live)
 {
     struct pel_job *job = free_job(frames);
-    const struct pel_snapshot *s = pel_scene_snapshot(frames->scene);
+    const struct pel_snapshot *s = pel_shown_snapshot(frames);
     job->used = true;
     job->live = live;
     job->large = false;
     job->drawn = false;
     job->requested_ns = pel_now_ns();
-    job->present_ns = job->requested_ns + frames->present_delay_ns;
+    job->present_ns = frames->sealed.snapshot
+                          ? frames->sealed.present_ns
+                          : job->requested_ns + frames->present_delay_ns;
     job->scale = pel_quality_scale(&frames->quality);
     job->snapshot = s;
-    job->host_frame = pel_scene_host_frame(frames->scene);
+    job->host_frame = frames->sealed.snapshot
+                          ? frames->sealed.host_frame
+                          : pel_scene_host_frame(frames->scene);
     job->draw_count = 0;
     job->place_count = 1;
     job->output_count = 0;
@@ -183,6 +188,8 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
     job->begun = 0;
     atomic_store(&job->collected, 0);
     job->environment = pel_environment_of(s, time_s);
+    job->stale = frames->sealed.coasts ? PEL_STALE_EXERCISE : 0;
+    job->environment.stale |= s->mark_stale ? job->stale : 0;
     number_job(frames, job);
     return job;
 }
@@ -477,6 +484,28 @@ static void step_paced(struct pel_frames *frames)
     pel_snapshot_unref(s);
 }
 
+/* One frame of every stream and the requests that wait for it. */
+static void draw_live(struct pel_frames *frames)
+{
+    if (!has_room(frames) || frames->drawing_live >= PEL_MAX_DRAWING) {
+        frames->stats.frames_skipped++;
+        return;
+    }
+    struct pel_job *job = begin_job(frames, pel_shown_time(frames), true);
+    add_streams(frames, job);
+    frames->live_pixels = pel_fair_job_pixels(job);
+    add_requests(frames, job, false);
+    launch(frames, job);
+}
+
+void pel_schedule_shown(struct pel_frames *frames)
+{
+    if (is_live(frames) && !frames->stopping) {
+        draw_live(frames);
+    }
+    pel_schedule_soon(frames);
+}
+
 void pel_schedule_tick(void *user)
 {
     struct pel_frames *frames = user;
@@ -488,17 +517,13 @@ void pel_schedule_tick(void *user)
     frames->stats.frames_skipped += late > 0 ? (uint64_t)late : 0;
     frames->next_tick_ns += (late > 0 ? late + 1 : 1) * period;
     g_source_set_ready_time(frames->tick, frames->next_tick_ns / 1000);
-    if (!has_room(frames) || frames->drawing_live >= PEL_MAX_DRAWING) {
-        frames->stats.frames_skipped++;
-        return;
+    if (frames->sealed.snapshot) {
+        return; /* those who seal draw */
     }
-    step_paced(frames);
-    struct pel_job *job =
-        begin_job(frames, pel_scene_time(frames->scene), true);
-    add_streams(frames, job);
-    frames->live_pixels = pel_fair_job_pixels(job);
-    add_requests(frames, job, false);
-    launch(frames, job);
+    if (has_room(frames) && frames->drawing_live < PEL_MAX_DRAWING) {
+        step_paced(frames);
+    }
+    draw_live(frames);
 }
 
 /* Whether a request has to wait although there is room: for a live frame that
@@ -536,7 +561,7 @@ static void start_with(struct pel_frames *frames,
                        const struct pel_frame_request *first, bool large)
 {
     bool has_time = first->has_time;
-    double time_s = has_time ? first->time_s : pel_scene_time(frames->scene);
+    double time_s = has_time ? first->time_s : pel_shown_time(frames);
     struct pel_job *job = begin_job(frames, time_s, false);
     job->large = large;
     add_requests(frames, job, has_time);

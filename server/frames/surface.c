@@ -52,6 +52,10 @@ void pel_surface_keep(struct pel_frames *frames, const struct pel_job *job)
 {
     const struct pel_shared_sea *seas[2] = { job->snapshot->sea, NULL };
     struct pel_shown *moments = frames->shown;
+    if (frames->sealed.snapshot && job->number == frames->sealed.number &&
+        job->environment.time_s != frames->sealed.time_s) {
+        return; /* of another time than its frame */
+    }
     for (size_t i = 0; i < PEL_MAX_SHOWN; i++) {
         if (moments[i].snapshot && moments[i].number == job->number) {
             return; /* another job of the same frame */
@@ -91,7 +95,7 @@ static double now(struct pel_frames *frames,
                   const struct pel_surface_query *query)
 {
     const struct pel_snapshot *s = query->snapshot;
-    double time_s = pel_scene_time(frames->scene), next_s;
+    double time_s = pel_shown_time(frames), next_s;
     int64_t begin_ns;
     if (!wish->asker || s->mode != PEL_CLOCK_FREE || !(s->rate > 0) ||
         !pel_snapshot_transforms(s)) {
@@ -117,7 +121,7 @@ static enum pel_err find_moment(struct pel_frames *frames,
                                 struct pel_fault *fault)
 {
     if (wish->frame == 0) {
-        query->snapshot = pel_scene_snapshot(frames->scene);
+        query->snapshot = pel_shown_snapshot(frames);
         query->time_s =
             wish->has_time ? wish->time_s : now(frames, wish, query);
         return PEL_OK;

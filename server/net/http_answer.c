@@ -9,6 +9,7 @@
 #include "net/command.h"
 #include "scene/almanac.h"
 #include "scene/catalogue.h"
+#include "scene/led.h"
 
 #define STREAM_BLOCK 65536
 #define STREAM_SOCKET_BUFFER (256 * 1024)
@@ -440,6 +441,38 @@ enum MHD_Result pel_http_send_stepped(struct client *client,
     if (waits) {
         pel_http_suspend(client);
     }
+    return MHD_YES;
+}
+
+static void on_sealed(void *user, enum pel_err err,
+                      const struct pel_fault *fault)
+{
+    struct pel_http_answer *answer = ((struct waiter *)user)->ready;
+    struct client *client = wait_end(user);
+    if (client && err) {
+        pel_http_send_fault(client, 0, fault);
+    } else if (client) {
+        pel_http_send(client, answer);
+    }
+    pel_http_answer_finish(answer); /* what was sent is empty */
+    g_free(answer);
+    if (client) {
+        pel_http_resume(client);
+    }
+}
+
+enum MHD_Result pel_http_send_sealed(struct client *client,
+                                     struct pel_http_answer *answer)
+{
+    struct waiter *waiter = wait_begin(client);
+    waiter->ready = g_memdup2(answer, sizeof *answer);
+    if (!pel_scene_await(client->server->context.scene, NULL, on_sealed,
+                         waiter)) {
+        g_free(waiter->ready);
+        wait_end(waiter);
+        return pel_http_send(client, answer);
+    }
+    pel_http_suspend(client);
     return MHD_YES;
 }
 

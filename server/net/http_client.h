@@ -69,6 +69,7 @@ struct waiter {
     struct pel_series_job *series; /* or NULL */
     int not_found;     /* status of that error here; 0: as everywhere */
     bool if_unchanged; /* an edit of the present revision, or of none */
+    struct pel_http_answer *ready; /* waits for its seal; else NULL */
 };
 
 struct daemon_source;
@@ -149,6 +150,9 @@ enum MHD_Result pel_http_send_series(struct client *client,
                                      struct pel_http_answer *answer);
 /* Files of a spectrum as a POSIX tar; g_free(). http_tar.c */
 char *pel_http_tar(const Pelagos__Spectrum *spectrum, size_t *size);
+/* An answer that is ready, when what it did to the scene is sealed. */
+enum MHD_Result pel_http_send_sealed(struct client *client,
+                                     struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_stepped(struct client *client,
                                       struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_patched(struct client *client,

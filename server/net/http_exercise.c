@@ -6,6 +6,7 @@
 
 #include <glib.h>
 
+#include "cluster/cluster.h"
 #include "fault.h"
 #include "json.h"
 #include "net/command.h"
@@ -84,6 +85,14 @@ void pel_http_post_exercise(const struct pel_http_call *call)
     }
     answer(call, ask(call, (Pelagos__ExerciseCommand *)message, 400));
     protobuf_c_message_free_unpacked(message, NULL);
+}
+
+void pel_http_get_cluster(const struct pel_http_call *call)
+{
+    Pelagos__Cluster *cluster = pel_cluster_status(call->context->cluster);
+    pel_http_json(call->answer, 200,
+                  pel_json_from_message(&cluster->base, false));
+    pelagos__cluster__free_unpacked(cluster, NULL);
 }
 
 void pel_http_get_exercises(const struct pel_http_call *call)

@@ -23,6 +23,7 @@ struct pel_http_context {
     const struct pel_frames *frames; /* NULL: no picture is ever drawn */
     struct pel_debrief *debrief;     /* NULL: there is none */
     struct pel_exercises *exercises; /* NULL: none */
+    struct pel_cluster *cluster;     /* NULL: none */
     struct pel_series *series;       /* NULL: nobody asks for any */
     struct pel_metrics *metrics;
     const char *const *hosts; /* as pel_http_host_is_ours */

@@ -18,6 +18,7 @@
 #include "net/http_auth.h"
 #include "net/http_head.h"
 #include "net/tcpinfo.h"
+#include "scene/led.h"
 
 #define IDLE_S 10 /* silence that the library ends by itself */
 #define MEMORY_BYTES PEL_BOUND_HTTP_HEAD_BYTES
@@ -155,7 +156,11 @@ static enum MHD_Result take_request(struct client *client, const char *method)
     client->phase = PHASE_ANSWER;
     client->deadline_ns = pel_http_after(client->server->limits.http_answer_s);
     describe(client, method, &headers, &request);
+    struct pel_scene *scene = client->server->context.scene;
+    bool gated = pel_scene_gated(scene);
+    uint64_t before = gated ? pel_scene_state(scene)->revision : 0;
     pel_http_route(&client->server->context, &request, &answer);
+    bool edited = gated && pel_scene_state(scene)->revision != before;
     client->of_debrief = answer.debrief;
     bool picture = answer.kind == PEL_HTTP_FRAME ||
                    answer.kind == PEL_HTTP_FRAMES ||
@@ -203,7 +208,8 @@ static enum MHD_Result take_request(struct client *client, const char *method)
         break;
     }
     client->server->malformed += answer.status == 400;
-    return pel_http_send(client, &answer);
+    return edited ? pel_http_send_sealed(client, &answer)
+                  : pel_http_send(client, &answer);
 }
 
 static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,

@@ -57,6 +57,7 @@ void pel_http_get_session(const struct pel_http_call *call);
 /* http_exercise.c */
 void pel_http_get_exercise(const struct pel_http_call *call);
 void pel_http_post_exercise(const struct pel_http_call *call);
+void pel_http_get_cluster(const struct pel_http_call *call);
 void pel_http_get_exercises(const struct pel_http_call *call);
 void pel_http_get_one_exercise(const struct pel_http_call *call);
 void pel_http_put_exercise(const struct pel_http_call *call);

@@ -272,6 +272,7 @@ enum pel_err pel_net_create(const struct pel_net_options *options,
     net->sessions = pel_sessions_create(&options->limits, scene, frames,
                                         options->debrief, net->token);
     pel_sessions_exercises(net->sessions, options->exercises);
+    pel_sessions_cluster(net->sessions, options->cluster);
     net->series = pel_series_create(scene, frames);
     pel_sessions_series(net->sessions, net->series);
     if (err == PEL_OK && options->http_address) {
@@ -280,6 +281,7 @@ enum pel_err pel_net_create(const struct pel_net_options *options,
             .frames = frames,
             .debrief = options->debrief,
             .exercises = options->exercises,
+            .cluster = options->cluster,
             .series = net->series,
             .metrics = options->metrics,
             .hosts = options->http_hosts,

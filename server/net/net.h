@@ -12,6 +12,7 @@
 
 #include "base/err.h"
 #include "base/metrics.h"
+#include "cluster/cluster.h"
 #include "frames/debrief.h"
 #include "frames/frames.h"
 #include "scene/exercise.h"
@@ -64,6 +65,7 @@ struct pel_net_options {
     /* Numeric addresses whose X-Forwarded-For is believed; NULL: none. */
     const char *const *http_proxies;
     struct pel_exercises *exercises; /* NULL: none */
+    struct pel_cluster *cluster;     /* NULL: none */
     struct pel_metrics *metrics; /* shown at /metrics; joined by the net's */
     struct pel_debrief *debrief;
     struct pel_net_limits limits;

@@ -46,6 +46,7 @@ static const char *const command_names[PEL_SESSION_COMMANDS] = {
     [PELAGOS__REQUEST__COMMAND_EXERCISE] = "exercise",
     [PELAGOS__REQUEST__COMMAND_LOGIN] = "login",
     [PELAGOS__REQUEST__COMMAND_SERIES] = "series",
+    [PELAGOS__REQUEST__COMMAND_CLUSTER] = "cluster",
 };
 
 static int64_t seconds(double s)
@@ -136,6 +137,9 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
         return pel_session_debrief(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_EXERCISE:
         return pel_session_exercise(self, request, fault);
+    case PELAGOS__REQUEST__COMMAND_CLUSTER:
+        pel_session_cluster(self, request);
+        return PEL_OK;
     case PELAGOS__REQUEST__COMMAND_WATCH:
         self->watching = true;
         self->watch_has_id = request->has_id;
@@ -461,6 +465,11 @@ void pel_sessions_exercises(struct pel_sessions *all,
                             struct pel_exercises *exercises)
 {
     all->exercises = exercises;
+}
+
+void pel_sessions_cluster(struct pel_sessions *all, struct pel_cluster *cluster)
+{
+    all->cluster = cluster;
 }
 
 void pel_sessions_destroy(struct pel_sessions *all)

@@ -39,6 +39,10 @@ void pel_sessions_series(struct pel_sessions *all, struct pel_series *series);
 /* What answers commands about exercises; NULL: nothing does. */
 void pel_sessions_exercises(struct pel_sessions *all,
                             struct pel_exercises *exercises);
+/* Whose nodes a session may ask for; NULL: it is told of none. */
+struct pel_cluster;
+void pel_sessions_cluster(struct pel_sessions *all,
+                          struct pel_cluster *cluster);
 
 void pel_sessions_destroy(struct pel_sessions *sessions); /* NULL allowed */
 

@@ -1,5 +1,6 @@
 /* Answers of the protobuf sessions: at once, or when they are there. */
 #include "base/clock.h"
+#include "cluster/cluster.h"
 #include "net/command.h"
 #include "net/frame_reply.h"
 #include "net/session_parts.h"
@@ -102,6 +103,17 @@ enum pel_err pel_session_exercise(struct session *self,
     send_reply(self, &reply);
     pelagos__exercise_status__free_unpacked(status, NULL);
     return PEL_OK;
+}
+
+void pel_session_cluster(struct session *self, const Pelagos__Request *request)
+{
+    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+    reply.has_id = request->has_id;
+    reply.id = request->id;
+    reply.result_case = PELAGOS__REPLY__RESULT_CLUSTER;
+    reply.cluster = pel_cluster_status(self->all->cluster);
+    send_reply(self, &reply);
+    pelagos__cluster__free_unpacked(reply.cluster, NULL);
 }
 
 /* Takes the job out of its session; false: the session is gone. */

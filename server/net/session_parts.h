@@ -16,7 +16,7 @@
 #include "pelagos.pb-c.h"
 #include "unpack.h"
 
-#define PEL_SESSION_COMMANDS 22
+#define PEL_SESSION_COMMANDS 23
 
 struct session;
 
@@ -62,6 +62,7 @@ struct pel_sessions {
     struct pel_frames *frames;
     struct pel_series *series;
     struct pel_exercises *exercises; /* NULL: none */
+    struct pel_cluster *cluster;     /* NULL: none */
     struct pel_debrief *debrief;     /* NULL: none */
     struct pel_token *token;         /* NULL: none is asked for */
     GPtrArray *list;                 /* of struct session */
@@ -79,6 +80,8 @@ void pel_session_send_state(struct session *self, bool has_id, uint64_t id);
 void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
                             const struct pel_fault *fault);
 
+/* Answers with the nodes of the exercise. */
+void pel_session_cluster(struct session *self, const Pelagos__Request *request);
 /* Does what is asked of exercises, and answers. */
 PEL_CHECK enum pel_err pel_session_exercise(struct session *self,
                                             const Pelagos__Request *request,

@@ -19,6 +19,7 @@
 #include "scene/check.h"
 #include "scene/edit.h"
 #include "scene/helm.h"
+#include "scene/led.h"
 #include "scene/scene_parts.h"
 #include "scene/sharedsea.h"
 #include "scene/store.h"
@@ -123,18 +124,14 @@ void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
 const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
                                        pel_scene_listener listener, void *user)
 {
+    double time_s = pel_scene_time(scene);
     scene->listener = listener;
     scene->listener_user = user;
-    pel_scene_refresh(scene, pel_scene_time(scene));
-    if (listener && scene->snapshot->ship_count > 0) {
+    if (listener) {
         /* Whoever begins with this state begins the ships' steps here. */
-        const struct pel_snapshot *anew = pel_snapshot_build_going(
-            scene->state, scene->has.sea, scene->has.ground.bed,
-            scene->has.sky.picture, &scene->has.fleet, NULL);
-        pel_snapshot_unref(scene->snapshot);
-        scene->snapshot = anew;
+        pel_scene_anew(scene, time_s);
     }
-    return scene->state;
+    return pel_scene_state_at(scene, time_s);
 }
 
 static void notify(struct pel_scene *scene, double time_s,
@@ -156,10 +153,10 @@ void pel_scene_set_acts(struct pel_scene *scene,
 }
 
 /* Up to time_s: a clock that is stepped stops at each moment. */
-static void act_until(struct pel_scene *scene, double time_s)
+void pel_scene_act_until(struct pel_scene *scene, double time_s)
 {
     double at;
-    if (!scene->acts.next || scene->acting) {
+    if (!scene->acts.next || scene->acting || scene->led.on) {
         return;
     }
     scene->acting = true;
@@ -176,7 +173,7 @@ static void act_until(struct pel_scene *scene, double time_s)
 void pel_scene_catch_up(struct pel_scene *scene)
 {
     if (scene->clock.mode == PEL_CLOCK_FREE) {
-        act_until(scene, pel_scene_time(scene));
+        pel_scene_act_until(scene, pel_scene_time(scene));
     }
 }
 
@@ -197,7 +194,7 @@ void pel_scene_set_stale(struct pel_scene *scene, enum pel_stale source,
     Pelagos__State state = PELAGOS__STATE__INIT;
     Pelagos__Patch patch = PELAGOS__PATCH__INIT;
     struct pel_fault fault;
-    if (stale == ((scene->snapshot->stale & source) != 0)) {
+    if (scene->led.on || stale == ((scene->snapshot->stale & source) != 0)) {
         return;
     }
     sources.has_cigi_stale = source == PEL_STALE_CIGI;
@@ -220,6 +217,7 @@ static void set_clock(struct pel_scene *scene, const Pelagos__Clock *to,
                       double time_before_s, int64_t now_ns)
 {
     enum pel_clock_mode mode = (enum pel_clock_mode)to->mode;
+    mode = scene->led.on ? PEL_CLOCK_STEPPED : mode;
     if (mode != scene->clock.mode || to->rate != scene->clock.rate ||
         to->time != time_before_s) {
         pel_simclock_set(&scene->clock, mode, to->rate, to->time, now_ns);
@@ -383,7 +381,10 @@ enum pel_err pel_scene_commit(struct pel_scene *scene, Pelagos__State *next,
 {
     const struct pel_sailing *going[PEL_MAX_ENTITIES];
     ships_going_on(scene, next, going);
-    enum pel_err err = commit(scene, next, going, ready, fault);
+    enum pel_err err = pel_scene_refuse_led(scene, fault);
+    if (!err) {
+        err = commit(scene, next, going, ready, fault);
+    }
     if (err) {
         pelagos__state__free_unpacked(next, NULL);
         return err;
@@ -410,7 +411,10 @@ enum pel_err pel_scene_patch(struct pel_scene *scene,
     pel_scene_catch_up(scene);
     int64_t now_ns = pel_now_ns();
     double time_s = pel_simclock_at(&scene->clock, now_ns);
-    enum pel_err err = pel_scene_edited(scene, patch, time_s, &next, fault);
+    enum pel_err err = pel_scene_refuse_led(scene, fault);
+    if (!err) {
+        err = pel_scene_edited(scene, patch, time_s, &next, fault);
+    }
     if (!err) {
         err = pel_scene_commit(scene, next, patch, NULL, time_s, now_ns, fault);
     }
@@ -459,7 +463,9 @@ static enum pel_err steps(const struct pel_scene *scene,
                              "a step waits for the sea of an exercise's event; "
                              "a little later");
     }
-    return scene->clock.mode == PEL_CLOCK_FREE
+    enum pel_err err = pel_scene_refuse_led(scene, fault);
+    return err ? err
+           : scene->clock.mode == PEL_CLOCK_FREE
                ? pel_fault_set(fault, PEL_ERR_CONFLICT,
                                "the clock runs freely; set clock.mode to "
                                "STEPPED before a step")
@@ -480,7 +486,7 @@ static double longest_step(const struct pel_scene *scene)
 static bool go_to(struct pel_scene *scene, double time_s)
 {
     enum pel_clock_mode mode = scene->clock.mode;
-    act_until(scene, time_s);
+    pel_scene_act_until(scene, time_s);
     if ((mode == PEL_CLOCK_STEPPED || mode == PEL_CLOCK_PACED) &&
         scene->acts.next && scene->acts.waits(scene->acts.user)) {
         scene->held.on = true;
@@ -519,9 +525,7 @@ void pel_scene_go_on(struct pel_scene *scene, bool over)
     }
     scene->held.done = NULL;
     pel_scene_notify_commit(scene);
-    if (done) {
-        done(user, err, &fault);
-    }
+    (void)pel_scene_answer(scene, NULL, done, user, err, &fault);
 }
 
 bool pel_scene_holds(const struct pel_scene *scene)
@@ -582,10 +586,7 @@ bool pel_scene_submit_step(struct pel_scene *scene,
         scene->held.user = user;
         return true;
     }
-    if (done) {
-        done(user, err, &fault);
-    }
-    return false;
+    return pel_scene_answer(scene, NULL, done, user, err, &fault);
 }
 
 /* Who was silent when the file was written may speak now, and who led time has
@@ -603,7 +604,11 @@ static void nobody_yet(Pelagos__State *state)
 /* Who waits is told; the snapshot may not be there. */
 static void scene_free(struct pel_scene *scene)
 {
+    struct pel_fault over;
+    pel_fault_set(&over, PEL_ERR_CONFLICT, "the daemon is stopping");
     pel_scene_end_waiting(scene);
+    pel_scene_ungate(scene, &over);
+    g_free(scene->led.cure);
     pel_snapshot_unref(scene->snapshot);
     pel_resources_finish(&scene->has);
     if (scene->state) {
@@ -720,7 +725,9 @@ enum pel_err pel_scene_begin_anew(struct pel_scene *scene,
                                   struct pel_fault *fault)
 {
     pel_state_fill(state, state->clock ? state->clock->time : 0);
-    state->clock->mode = PELAGOS__CLOCK_MODE__STEPPED;
+    if (!scene->led.on) {
+        state->clock->mode = PELAGOS__CLOCK_MODE__STEPPED;
+    }
     enum pel_err err = pel_state_check(state, fault);
     if (!err) {
         err = pel_sea_settle(state, fault);

@@ -57,6 +57,14 @@ struct pel_scene {
         pel_scene_done done; /* may be NULL */
         void *user;
     } held;
+    struct {
+        bool on, playing; /* playing: an edit of the log is being done */
+        char *cure;       /* for who edits all the same */
+    } led;
+    struct {
+        GQueue *waiting; /* of answers, oldest first; NULL: there is no gate */
+        uint64_t number; /* of the frame that is under way */
+    } gate;
     size_t callback_count;
     struct {
         void (*call)(void *user);
@@ -111,6 +119,20 @@ void pel_scene_step_ahead(struct pel_scene *scene, double time_s);
 /* Goes on with the step that is held, where nothing holds it any more; over:
  * the daemon stops, and it ends here. */
 void pel_scene_go_on(struct pel_scene *scene, bool over);
+
+/* Acts at each moment up to time_s. */
+void pel_scene_act_until(struct pel_scene *scene, double time_s);
+
+/* led.c: whether a log leads the scene, and not the one who asks. */
+PEL_CHECK enum pel_err pel_scene_refuse_led(const struct pel_scene *scene,
+                                            struct pel_fault *fault);
+
+/* gate.c. Answers an edit (done NULL allowed), or has it wait for its seal:
+ * true. */
+bool pel_scene_answer(struct pel_scene *scene, const void *source,
+                      pel_scene_done done, void *user, enum pel_err err,
+                      const struct pel_fault *fault);
+void pel_scene_gate_forget(struct pel_scene *scene, const void *source);
 
 /* submit.c */
 void pel_scene_begin_waiting(struct pel_scene *scene);

@@ -129,7 +129,8 @@ enum pel_stale {
     PEL_STALE_NMEA = 1 << 2,
     PEL_STALE_CONSOLE = 1 << 3,
     PEL_STALE_OTHER = 1 << 4,
-    PEL_STALE_POSES = 1 << 5, /* no input: see pel_snapshot_stale() */
+    PEL_STALE_POSES = 1 << 5,    /* no input: see pel_snapshot_stale() */
+    PEL_STALE_EXERCISE = 1 << 6, /* nor this: no frame is sealed in time */
 };
 
 /* A thing on the sea as it is drawn: its model stands at this place, the axes
@@ -285,7 +286,7 @@ bool pel_snapshot_prepare(const struct pel_snapshot *s, double time_s,
                           bool (*go_on)(void *user), void *user);
 
 /* "cigi,nmea" of the bits of `stale`, "none" of 0. */
-#define PEL_STALE_TEXT 40
+#define PEL_STALE_TEXT 48
 const char *pel_stale_text(unsigned stale, char out[PEL_STALE_TEXT]);
 
 /* Depth of the bottom below altitude 0 [m], negative on land, NaN where

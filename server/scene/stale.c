@@ -7,7 +7,8 @@
 const char *pel_stale_text(unsigned stale, char out[PEL_STALE_TEXT])
 {
     static const char *const names[] = { "cigi",    "modbus", "nmea",
-                                         "console", "other",  "poses" };
+                                         "console", "other",  "poses",
+                                         "exercise" };
     size_t used = 0;
     strcpy(out, "none");
     for (unsigned i = 0; i < sizeof names / sizeof *names; i++) {

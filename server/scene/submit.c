@@ -131,6 +131,10 @@ static enum pel_err commit_one(struct pel_scene *scene, const struct waiting *w,
 {
     Pelagos__State *next;
     double time_s = pel_simclock_at(&scene->clock, now_ns);
+    enum pel_err err = pel_scene_refuse_led(scene, fault);
+    if (err) {
+        return err;
+    }
     if (ready->dropped) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT, "the daemon is stopping");
     }
@@ -149,7 +153,7 @@ static enum pel_err commit_one(struct pel_scene *scene, const struct waiting *w,
         *fault = ready->fault;
         return ready->err;
     }
-    enum pel_err err = pel_scene_edited(scene, w->patch, time_s, &next, fault);
+    err = pel_scene_edited(scene, w->patch, time_s, &next, fault);
     return err ? err
                : pel_scene_commit(scene, next, w->patch, &ready->got, time_s,
                                   now_ns, fault);
@@ -182,9 +186,8 @@ static void prepared(void *user, struct pel_preparation *ready)
      * another be forgotten. */
     for (guint i = 0; i < count; i++) {
         struct waiting *w = g_ptr_array_steal_index(scene->waiting, 0);
-        if (w->done) {
-            w->done(w->user, errs[i], &faults[i]);
-        }
+        (void)pel_scene_answer(scene, w->source, w->done, w->user, errs[i],
+                               &faults[i]);
         waiting_free(w);
     }
     g_free(faults);
@@ -224,11 +227,11 @@ static bool submit(struct pel_scene *scene, const struct pel_scene_wish *wish,
 {
     Pelagos__State *next = NULL;
     struct pel_fault fault = { 0 };
-    enum pel_err err = PEL_OK;
-    bool behind =
-        !at_once && (is_waiting(scene, wish->source) ||
-                     (scene->waiting->len > 0 && touches_sea(wish->patch)));
-    if (!behind) {
+    enum pel_err err = pel_scene_refuse_led(scene, &fault);
+    bool behind = !err && !at_once &&
+                  (is_waiting(scene, wish->source) ||
+                   (scene->waiting->len > 0 && touches_sea(wish->patch)));
+    if (!err && !behind) {
         err = pel_scene_edited(scene, wish->patch, time_s, &next, &fault);
     }
     if (!err && !behind &&
@@ -249,10 +252,7 @@ static bool submit(struct pel_scene *scene, const struct pel_scene_wish *wish,
                             "%d patches wait for a sea or a file already",
                             MAX_WAITING);
     }
-    if (done) {
-        done(user, err, &fault);
-    }
-    return false;
+    return pel_scene_answer(scene, wish->source, done, user, err, &fault);
 }
 
 bool pel_scene_submit(struct pel_scene *scene,
@@ -279,6 +279,7 @@ bool pel_scene_act_patch(struct pel_scene *scene, const Pelagos__Patch *patch,
 
 void pel_scene_forget(struct pel_scene *scene, const void *source)
 {
+    pel_scene_gate_forget(scene, source);
     for (guint i = 0; i < scene->waiting->len; i++) {
         struct waiting *w = g_ptr_array_index(scene->waiting, i);
         if (w->source == source) {

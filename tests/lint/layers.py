@@ -27,6 +27,7 @@ LIBRARIES = {
     "gst/": {"server/encode", "server/net", "clients/pelagosctl", "tests"},
     "libyuv": {"server/encode"},
     "wslay/": {"server/net"},
+    "curl/": {"server/cluster"},
     # Golden pictures are read by tests.
     "spng.h": {"server/encode", "server/models/reader", "tests"},
     "assimp/": {"server/models/reader"},

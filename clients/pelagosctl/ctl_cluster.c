@@ -1,0 +1,84 @@
+/* cluster: the nodes of an exercise on several machines. */
+#include "pelagosctl/ctl.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+#include <glib.h>
+
+#include "json.h"
+
+static const char *role_of(const Pelagos__ClusterNode *node)
+{
+    static const char *const words[] = { "joining", "follower", "master" };
+    return node->silent                            ? "silent"
+           : node->role < (int)G_N_ELEMENTS(words) ? words[node->role]
+                                                   : "?";
+}
+
+static void print_node(const Pelagos__ClusterNode *n, uint64_t newest)
+{
+    char digest[17] = "-", clock[24] = "-";
+    for (size_t i = 0; i < n->digest.len && i < 8; i++) {
+        snprintf(digest + 2 * i, 3, "%02x", n->digest.data[i]);
+    }
+    if (n->has_clock) {
+        snprintf(clock, sizeof clock, "%+.1f", n->clock);
+    }
+    ctl_print(stdout, "%-12s %-9s %10llu %6llu %-16s %8.1f %8s  %s", n->name,
+              role_of(n), (unsigned long long)n->frame,
+              (unsigned long long)(newest - n->frame), digest, n->delay, clock,
+              n->address ? n->address : "");
+    if (n->differences + n->gaps > 0) {
+        ctl_print(stdout, "  %llu differences, %llu gaps",
+                  (unsigned long long)n->differences,
+                  (unsigned long long)n->gaps);
+    }
+    ctl_print(stdout, "%s\n", n->alike ? "" : "  not bit-equal");
+}
+
+static void print_nodes(const Pelagos__Cluster *c)
+{
+    uint64_t newest = c->frame;
+    if (!c->name) {
+        puts("the server shows no exercise with others (pelagosd --exercise)");
+        return;
+    }
+    for (size_t i = 0; i < c->n_nodes; i++) {
+        newest = MAX(newest, c->nodes[i]->frame);
+    }
+    ctl_print(stdout, "master %s, %s, term %llu", c->master ? c->master : "-",
+              c->address ? c->address : "-", (unsigned long long)c->term);
+    if (c->has_sealed_p99) {
+        ctl_print(stdout, "; sealed within %.1f ms, 99 of 100 within %.1f ms",
+                  c->sealed_median, c->sealed_p99);
+    }
+    ctl_print(stdout, "\n%-12s %-9s %10s %6s %-16s %8s %8s  %s\n", "node",
+              "role", "frame", "behind", "digest", "delay ms", "clock ms",
+              "address");
+    for (size_t i = 0; i < c->n_nodes; i++) {
+        print_node(c->nodes[i], newest);
+    }
+}
+
+enum ctl_exit ctl_cluster(struct ctl *ctl)
+{
+    Pelagos__Cluster *cluster = NULL;
+    struct pel_client_error error;
+    enum ctl_exit status = ctl_connect(ctl);
+    if (status != CTL_DONE) {
+        return status;
+    }
+    if (pel_client_cluster(ctl->client, &cluster, &error)) {
+        return ctl_report(ctl, &error);
+    }
+    if (ctl_flag(ctl, "json")) {
+        char *text = pel_json_from_message(&cluster->base, true);
+        puts(text);
+        free(text);
+    } else {
+        print_nodes(cluster);
+    }
+    pelagos__cluster__free_unpacked(cluster, NULL);
+    return CTL_DONE;
+}

@@ -1,0 +1,50 @@
+/* One exercise on several nodes: every daemon shows the same frames of the same
+ * log (docs/cluster.md). One of them, the master, takes the inputs; each frame
+ * is what its scene accepted since the one before, and is shown by all, and its
+ * commands answered, when the store has it and not earlier. The others are led
+ * by the log. Where the master falls silent another one goes on.
+ *
+ * Control thread. */
+#pragma once
+
+#include "base/err.h"
+#include "base/metrics.h"
+#include "frames/frames.h"
+#include "pelagos.pb-c.h"
+#include "scene/scene.h"
+
+struct pel_cluster;
+
+struct pel_cluster_options {
+    const char *url;             /* as pel_seals_options */
+    const char *cert, *key, *ca; /* PEM; NULL: none */
+    const char *name;            /* of this node; NULL: the machine's */
+    const char *address;         /* where clients reach it */
+    int rank;                    /* the lowest takes over first; -1: never */
+    double rate_hz;              /* of frames, 1 to 240 */
+    const char *program;         /* "pelagosd 0.2.0" */
+    int wave_count;
+    uint64_t stray; /* for tests: the frame after which this node has another
+                     * state; 0: none */
+};
+
+/* Looks for the exercise; meanwhile the scene is led and pictures are stale.
+ * Whoever is first begins the exercise with its scene. INVALID: the URL, the
+ * name. */
+PEL_CHECK enum pel_err
+pel_cluster_create(const struct pel_cluster_options *options,
+                   struct pel_scene *scene, struct pel_frames *frames,
+                   struct pel_cluster **out, struct pel_fault *fault);
+
+/* Before the frames and the scene; NULL allowed. */
+void pel_cluster_destroy(struct pel_cluster *cluster);
+
+/* The rate from the next frame on. */
+void pel_cluster_set_rate(struct pel_cluster *cluster, double rate_hz);
+
+/* Who is there, as seen from here; NULL: of a daemon by itself.
+ * pelagos__cluster__free_unpacked. */
+Pelagos__Cluster *pel_cluster_status(struct pel_cluster *cluster);
+
+/* Metrics `pelagos_cluster_...`; user: the cluster. */
+void pel_cluster_collect(void *user, struct pel_metrics_page *page);

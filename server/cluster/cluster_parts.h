@@ -1,0 +1,121 @@
+/* Inside of the cluster. Control thread. */
+#pragma once
+
+#include <glib.h>
+
+#include "cluster/cluster.h"
+#include "cluster/seals.h"
+
+#define PEL_DIGEST_SIZE 32
+#define PEL_SEAL_WINDOW 512
+
+struct pel_cluster_node {
+    Pelagos__ClusterNode *said; /* the last */
+    int64_t heard_ns;           /* when that was another */
+};
+
+struct pel_cluster {
+    struct pel_cluster_options options;
+    char *name, *address, *program;
+    struct pel_scene *scene;
+    struct pel_frames *frames;
+    struct pel_seals *seals;
+    Pelagos__ClusterRole role;
+    Pelagos__ClusterMaster *master; /* who is, as far as known; NULL: nobody */
+    bool alike;                     /* our pictures are the head's to the bit */
+    bool asking;    /* the store, for something that decides who we are */
+    bool following; /* the state is that of frame `number` of the log */
+    bool strayed;
+    uint64_t term;  /* with which we ask to take over */
+    uint64_t goal;  /* frames that there are, of one who joins */
+    guint patience; /* timer */
+    guint second;   /* timer */
+    guint retry;    /* timer; 0: none */
+    int64_t joined_ns;
+
+    /* The last sealed frame. */
+    uint64_t number;
+    const struct pel_snapshot *snapshot;
+    double time_s;
+    uint64_t present_unix_ns;
+    uint32_t host_frame;
+    uint8_t digest[PEL_DIGEST_SIZE];
+    int64_t sealed_ns; /* when we came to know of it, or of another master */
+
+    /* The master's. */
+    GSource *tick;
+    int64_t next_tick_ns;
+    bool overdue;       /* a frame is due, and the one before not sealed */
+    GPtrArray *entries; /* Pelagos__LogEntry accepted since the last frame */
+    struct {
+        bool on;
+        uint64_t number;
+        const struct pel_snapshot *snapshot;
+        double time_s;
+        uint64_t present_unix_ns;
+        uint32_t host_frame;
+        uint8_t digest[PEL_DIGEST_SIZE];
+        int64_t begun_ns;
+        Pelagos__ClusterHead *head; /* goes to the store after it; NULL: none */
+    } pending;
+    int64_t head_ns; /* of the last head */
+
+    GPtrArray *nodes; /* struct pel_cluster_node */
+    uint64_t beat;
+    double quickest_ms; /* from a seal to our knowing of it, lately */
+    double quickest_next_ms;
+
+    float sealed_ms[PEL_SEAL_WINDOW];
+    uint64_t sealed, gaps, differences, takeovers, stepped_down, joins, coasted;
+    double worst_gap_ms;
+};
+
+/* cluster.c */
+void pel_cluster_digest(const Pelagos__State *state,
+                        uint8_t out[PEL_DIGEST_SIZE]);
+void pel_cluster_know_master(struct pel_cluster *c,
+                             const Pelagos__ClusterMaster *master);
+bool pel_cluster_is_me(const struct pel_cluster *c,
+                       const Pelagos__ClusterMaster *master);
+/* What a client reads that edits here. */
+void pel_cluster_lead(struct pel_cluster *c);
+/* Shows the last sealed frame; coasting: further on by elapsed seconds. */
+void pel_cluster_show(struct pel_cluster *c, bool coasts, double further_s);
+/* The last sealed frame is this now; takes over the snapshot. */
+void pel_cluster_advance(struct pel_cluster *c, uint64_t number,
+                         const struct pel_snapshot *snapshot, double time_s,
+                         uint64_t present_unix_ns, uint32_t host_frame,
+                         const uint8_t digest[PEL_DIGEST_SIZE]);
+
+/* follower.c */
+/* Begins anew with what the store has. */
+void pel_cluster_join(struct pel_cluster *c);
+void pel_cluster_on_frame(void *user, uint64_t number,
+                          const Pelagos__SealedFrame *frame, uint64_t revision);
+void pel_cluster_on_master(void *user, const Pelagos__ClusterMaster *master);
+void pel_cluster_on_lost(void *user);
+/* Takes over, where the master has been silent for long enough. */
+void pel_cluster_be_patient(struct pel_cluster *c);
+
+/* master.c */
+void pel_cluster_become_master(struct pel_cluster *c);
+void pel_cluster_step_down(struct pel_cluster *c, const char *why);
+/* A frame is due. */
+void pel_cluster_seal(struct pel_cluster *c);
+/* Ours was sealed. */
+void pel_cluster_confirm(struct pel_cluster *c, uint64_t revision);
+void pel_cluster_on_command(void *user, double time_s,
+                            const Pelagos__Patch *patch);
+void pel_cluster_drop_pending(struct pel_cluster *c);
+Pelagos__ClusterHead *pel_cluster_head(struct pel_cluster *c, uint64_t number,
+                                       const Pelagos__State *state);
+
+/* nodes.c */
+void pel_cluster_on_node(void *user, const Pelagos__ClusterNode *node);
+void pel_cluster_say(struct pel_cluster *c);
+void pel_cluster_heard(struct pel_cluster *c, const Pelagos__Seal *seal);
+/* The longest that a node takes from a seal to its pictures [ns]. */
+int64_t pel_cluster_slowest_ns(const struct pel_cluster *c);
+/* How many nodes take over before this one. */
+unsigned pel_cluster_order(const struct pel_cluster *c);
+void pel_cluster_nodes_free(struct pel_cluster *c);

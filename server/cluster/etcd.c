@@ -1,0 +1,487 @@
+#include "cluster/etcd.h"
+
+#include <curl/curl.h>
+#include <glib-unix.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/watch.h"
+#include "cluster/etcdtext.h"
+
+#define ANSWER_MS 400L  /* a leader that dies leaves requests hanging */
+#define CONNECT_MS 300L /* also of the watch */
+#define AGAIN_MS 80     /* another attempt beside those under way */
+#define MOST_ATTEMPTS 3 /* of a request at once */
+#define REST_MS 20      /* after a failure */
+#define MOST_BYTES (64u << 20)
+
+/* One exchange over HTTP: of a request, or the watch's. */
+struct attempt {
+    struct pel_etcd *etcd;
+    struct pel_etcd_request *request; /* NULL: the watch */
+    size_t endpoint;
+    CURL *easy;
+    GString *in;
+};
+
+struct pel_etcd_request {
+    struct pel_etcd *etcd;
+    char *body;
+    GPtrArray *attempts; /* under way */
+    size_t begun;
+    guint timer;
+    pel_etcd_done done;
+    void *user;
+};
+
+struct pel_etcd {
+    CURLM *multi;
+    struct curl_slist *headers;
+    char **endpoints;
+    char *cert, *key, *ca;
+    size_t endpoint_count, best, watched; /* of requests; of the watch */
+    guint timer;
+    GPtrArray *requests;
+    uint64_t attempts, failures;
+    struct {
+        char *prefix; /* NULL: none */
+        uint64_t next;
+        struct attempt *attempt;
+        guint timer;
+        pel_etcd_event event;
+        void (*lost)(void *user);
+        void *user;
+        unsigned generation; /* of the calls of pel_etcd_watch */
+    } watch;
+};
+
+/* --- libcurl on GLib's loop ----------------------------------------------- */
+
+static void settle(struct pel_etcd *etcd);
+
+static gboolean on_socket_ready(gint fd, GIOCondition condition, gpointer user)
+{
+    PEL_WATCH("etcd");
+    struct pel_etcd *etcd = user;
+    int running;
+    int what = (condition & G_IO_IN ? CURL_CSELECT_IN : 0) |
+               (condition & G_IO_OUT ? CURL_CSELECT_OUT : 0) |
+               (condition & (G_IO_ERR | G_IO_HUP) ? CURL_CSELECT_ERR : 0);
+    curl_multi_socket_action(etcd->multi, fd, what, &running);
+    settle(etcd);
+    return G_SOURCE_CONTINUE;
+}
+
+static int on_socket(CURL *easy, curl_socket_t fd, int what, void *user,
+                     void *kept)
+{
+    (void)easy;
+    struct pel_etcd *etcd = user;
+    guint source = GPOINTER_TO_UINT(kept);
+    if (source) {
+        g_source_remove(source);
+        source = 0;
+    }
+    if (what != CURL_POLL_REMOVE) {
+        GIOCondition condition = G_IO_ERR | G_IO_HUP;
+        condition |= what & CURL_POLL_IN ? G_IO_IN : 0;
+        condition |= what & CURL_POLL_OUT ? G_IO_OUT : 0;
+        source = g_unix_fd_add_full(G_PRIORITY_HIGH, fd, condition,
+                                    on_socket_ready, etcd, NULL);
+    }
+    curl_multi_assign(etcd->multi, fd, GUINT_TO_POINTER(source));
+    return 0;
+}
+
+static gboolean on_timeout(gpointer user)
+{
+    PEL_WATCH("etcd");
+    struct pel_etcd *etcd = user;
+    int running;
+    etcd->timer = 0;
+    curl_multi_socket_action(etcd->multi, CURL_SOCKET_TIMEOUT, 0, &running);
+    settle(etcd);
+    return G_SOURCE_REMOVE;
+}
+
+static int on_timer(CURLM *multi, long ms, void *user)
+{
+    (void)multi;
+    struct pel_etcd *etcd = user;
+    if (etcd->timer) {
+        g_source_remove(etcd->timer);
+    }
+    etcd->timer = ms < 0 ? 0
+                         : g_timeout_add_full(G_PRIORITY_HIGH, (guint)ms,
+                                              on_timeout, etcd, NULL);
+    return 0;
+}
+
+/* --- attempts ------------------------------------------------------------- */
+
+static size_t on_data(char *data, size_t one, size_t count, void *user)
+{
+    struct attempt *attempt = user;
+    size_t size = one * count;
+    if (attempt->in->len + size > MOST_BYTES) {
+        return 0;
+    }
+    g_string_append_len(attempt->in, data, (gssize)size);
+    return size;
+}
+
+static struct attempt *attempt_begin(struct pel_etcd *etcd,
+                                     struct pel_etcd_request *request,
+                                     size_t endpoint, const char *path,
+                                     const char *body)
+{
+    struct attempt *attempt = g_new0(struct attempt, 1);
+    *attempt = (struct attempt){ etcd, request, endpoint, curl_easy_init(),
+                                 g_string_new(NULL) };
+    g_autofree char *url = g_strconcat(etcd->endpoints[endpoint], path, NULL);
+    CURL *easy = attempt->easy;
+    curl_easy_setopt(easy, CURLOPT_URL, url);
+    curl_easy_setopt(easy, CURLOPT_PROTOCOLS_STR, "http,https");
+    curl_easy_setopt(easy, CURLOPT_NOPROXY, "*");
+    curl_easy_setopt(easy, CURLOPT_NOSIGNAL, 1L);
+    curl_easy_setopt(easy, CURLOPT_HTTPHEADER, etcd->headers);
+    curl_easy_setopt(easy, CURLOPT_POSTFIELDSIZE, (long)strlen(body));
+    curl_easy_setopt(easy, CURLOPT_COPYPOSTFIELDS, body);
+    curl_easy_setopt(easy, CURLOPT_CONNECTTIMEOUT_MS, CONNECT_MS);
+    curl_easy_setopt(easy, CURLOPT_TCP_KEEPALIVE, 1L);
+    curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, on_data);
+    curl_easy_setopt(easy, CURLOPT_WRITEDATA, attempt);
+    curl_easy_setopt(easy, CURLOPT_PRIVATE, attempt);
+    curl_easy_setopt(easy, CURLOPT_SSLCERT, etcd->cert);
+    curl_easy_setopt(easy, CURLOPT_SSLKEY, etcd->key);
+    if (etcd->ca) {
+        curl_easy_setopt(easy, CURLOPT_CAINFO, etcd->ca);
+    }
+    if (request) {
+        curl_easy_setopt(easy, CURLOPT_TIMEOUT_MS, ANSWER_MS);
+    }
+    curl_multi_add_handle(etcd->multi, easy);
+    return attempt;
+}
+
+static void attempt_end(struct attempt *attempt)
+{
+    curl_multi_remove_handle(attempt->etcd->multi, attempt->easy);
+    curl_easy_cleanup(attempt->easy);
+    g_string_free(attempt->in, TRUE);
+    g_free(attempt);
+}
+
+static void attempt_free(gpointer data)
+{
+    attempt_end(data);
+}
+
+/* --- requests ------------------------------------------------------------- */
+
+static void request_free(gpointer data)
+{
+    struct pel_etcd_request *request = data;
+    if (request->timer) {
+        g_source_remove(request->timer);
+    }
+    g_ptr_array_free(request->attempts, TRUE);
+    g_free(request->body);
+    g_free(request);
+}
+
+static void request_again(struct pel_etcd_request *request, guint ms);
+
+static void request_try(struct pel_etcd_request *request)
+{
+    struct pel_etcd *etcd = request->etcd;
+    if (request->attempts->len < MOST_ATTEMPTS) {
+        size_t endpoint = (etcd->best + request->begun) % etcd->endpoint_count;
+        request->begun++;
+        etcd->attempts++;
+        g_ptr_array_add(request->attempts,
+                        attempt_begin(etcd, request, endpoint, "/v3/kv/txn",
+                                      request->body));
+    }
+    request_again(request, AGAIN_MS);
+}
+
+static gboolean on_again(gpointer user)
+{
+    PEL_WATCH("etcd");
+    struct pel_etcd_request *request = user;
+    request->timer = 0;
+    request_try(request);
+    return G_SOURCE_REMOVE;
+}
+
+static void request_again(struct pel_etcd_request *request, guint ms)
+{
+    if (request->timer) {
+        g_source_remove(request->timer);
+    }
+    request->timer =
+        g_timeout_add_full(G_PRIORITY_HIGH, ms, on_again, request, NULL);
+}
+
+struct pel_etcd_request *pel_etcd_send(struct pel_etcd *etcd,
+                                       struct pel_etcd_txn *txn,
+                                       pel_etcd_done done, void *user)
+{
+    struct pel_etcd_request *request = g_new0(struct pel_etcd_request, 1);
+    request->etcd = etcd;
+    request->body = pel_etcd_text_txn(txn);
+    request->attempts = g_ptr_array_new_with_free_func(attempt_free);
+    request->done = done;
+    request->user = user;
+    g_string_free(txn->compare, TRUE);
+    g_string_free(txn->success, TRUE);
+    g_string_free(txn->failure, TRUE);
+    g_ptr_array_add(etcd->requests, request);
+    request_try(request);
+    return request;
+}
+
+void pel_etcd_drop(struct pel_etcd_request *request)
+{
+    g_ptr_array_remove(request->etcd->requests, request);
+}
+
+static void request_failed(struct attempt *attempt, const char *why)
+{
+    static struct pel_log_limit limit;
+    struct pel_etcd_request *request = attempt->request;
+    struct pel_etcd *etcd = attempt->etcd;
+    etcd->failures++;
+    pel_log_limited(&limit, PEL_LOG_WARNING, "CLU-001",
+                    "%s does not answer: %s; the next one is asked",
+                    etcd->endpoints[attempt->endpoint], why);
+    g_ptr_array_remove(request->attempts, attempt);
+    if (request->attempts->len == 0) {
+        request_again(request, REST_MS);
+    }
+}
+
+static void request_ended(struct attempt *attempt, CURLcode code)
+{
+    struct pel_etcd *etcd = attempt->etcd;
+    struct pel_etcd_request *request = attempt->request;
+    struct pel_etcd_text text;
+    long status = 0;
+    curl_easy_getinfo(attempt->easy, CURLINFO_RESPONSE_CODE, &status);
+    enum pel_err err =
+        pel_etcd_text_read(attempt->in->str, attempt->in->len, &text);
+    if (code != CURLE_OK) {
+        request_failed(attempt, curl_easy_strerror(code));
+    } else if (err || status != 200) {
+        request_failed(attempt, text.failed ? text.why : "no answer of etcd");
+    } else {
+        pel_etcd_done done = request->done;
+        void *user = request->user;
+        etcd->best = attempt->endpoint;
+        g_ptr_array_remove(etcd->requests, request);
+        if (done) {
+            done(user, &text.answer);
+        }
+    }
+    pel_etcd_text_finish(&text);
+}
+
+/* --- the watch ------------------------------------------------------------ */
+
+static void watch_stop(struct pel_etcd *etcd)
+{
+    if (etcd->watch.attempt) {
+        attempt_end(etcd->watch.attempt);
+        etcd->watch.attempt = NULL;
+    }
+    if (etcd->watch.timer) {
+        g_source_remove(etcd->watch.timer);
+        etcd->watch.timer = 0;
+    }
+}
+
+static void watch_begin(struct pel_etcd *etcd)
+{
+    g_autofree char *body =
+        pel_etcd_text_watch(etcd->watch.prefix, etcd->watch.next);
+    watch_stop(etcd);
+    etcd->watch.attempt =
+        attempt_begin(etcd, NULL, etcd->watched, "/v3/watch", body);
+}
+
+static gboolean on_watch_again(gpointer user)
+{
+    PEL_WATCH("etcd");
+    struct pel_etcd *etcd = user;
+    etcd->watch.timer = 0;
+    watch_begin(etcd);
+    return G_SOURCE_REMOVE;
+}
+
+void pel_etcd_watch_elsewhere(struct pel_etcd *etcd)
+{
+    if (etcd->watch.prefix) {
+        watch_stop(etcd);
+        etcd->watched = (etcd->watched + 1) % etcd->endpoint_count;
+        etcd->watch.timer = g_timeout_add_full(G_PRIORITY_HIGH, REST_MS,
+                                               on_watch_again, etcd, NULL);
+    }
+}
+
+void pel_etcd_watch(struct pel_etcd *etcd, const char *prefix,
+                    uint64_t from_revision, pel_etcd_event event,
+                    void (*lost)(void *user), void *user)
+{
+    g_free(etcd->watch.prefix);
+    etcd->watch.prefix = g_strdup(prefix);
+    etcd->watch.next = from_revision;
+    etcd->watch.event = event;
+    etcd->watch.lost = lost;
+    etcd->watch.user = user;
+    etcd->watch.generation++;
+    watch_begin(etcd);
+}
+
+/* A line of the watch; false: it is another watch now, or none. */
+static bool watch_line(struct pel_etcd *etcd, const char *line, size_t size)
+{
+    unsigned generation = etcd->watch.generation;
+    struct pel_etcd_text text;
+    enum pel_err err = pel_etcd_text_read(line, size, &text);
+    bool lost = !err && text.ended && text.compacted;
+    bool failed = err || text.failed || (text.ended && !lost);
+    for (guint i = 0; !failed && i < text.answer.kvs->len &&
+                      generation == etcd->watch.generation;
+         i++) {
+        const struct pel_etcd_kv *kv = g_ptr_array_index(text.answer.kvs, i);
+        if (kv->mod_revision >= etcd->watch.next && kv->key) {
+            etcd->watch.event(etcd->watch.user, kv);
+        }
+    }
+    bool same = generation == etcd->watch.generation;
+    if (same && lost) {
+        watch_stop(etcd);
+        g_clear_pointer(&etcd->watch.prefix, g_free);
+        etcd->watch.lost(etcd->watch.user);
+        same = false;
+    } else if (same && failed) {
+        pel_etcd_watch_elsewhere(etcd);
+        same = false;
+    } else if (same && text.answer.kvs->len > 0 &&
+               text.answer.revision >= etcd->watch.next) {
+        etcd->watch.next = text.answer.revision + 1;
+    }
+    pel_etcd_text_finish(&text);
+    return same && etcd->watch.attempt != NULL;
+}
+
+/* The lines that have come whole. */
+static void watch_lines(struct pel_etcd *etcd)
+{
+    for (;;) {
+        struct attempt *attempt = etcd->watch.attempt;
+        const char *end =
+            attempt ? memchr(attempt->in->str, '\n', attempt->in->len) : NULL;
+        if (!end) {
+            return;
+        }
+        size_t size = (size_t)(end - attempt->in->str);
+        g_autofree char *line = g_strndup(attempt->in->str, size);
+        g_string_erase(attempt->in, 0, (gssize)size + 1);
+        if (size > 0 && !watch_line(etcd, line, size)) {
+            return;
+        }
+    }
+}
+
+/* --- after libcurl has done something ------------------------------------- */
+
+/* What its callbacks brought is looked at here: they must not call it. */
+static void settle(struct pel_etcd *etcd)
+{
+    CURLMsg *message;
+    int left;
+    watch_lines(etcd);
+    while ((message = curl_multi_info_read(etcd->multi, &left))) {
+        struct attempt *attempt = NULL;
+        if (message->msg != CURLMSG_DONE) {
+            continue;
+        }
+        CURLcode code = message->data.result;
+        curl_easy_getinfo(message->easy_handle, CURLINFO_PRIVATE,
+                          (char **)&attempt);
+        if (attempt->request) {
+            request_ended(attempt, code);
+        } else {
+            pel_etcd_watch_elsewhere(etcd);
+        }
+    }
+}
+
+/* --- life ----------------------------------------------------------------- */
+
+enum pel_err pel_etcd_create(const struct pel_etcd_options *options,
+                             struct pel_etcd **out, struct pel_fault *fault)
+{
+    struct pel_etcd *etcd = g_new0(struct pel_etcd, 1);
+    *out = NULL;
+    curl_global_init(CURL_GLOBAL_DEFAULT);
+    etcd->endpoints = g_strsplit(options->endpoints, ",", 16);
+    etcd->endpoint_count = g_strv_length(etcd->endpoints);
+    etcd->requests = g_ptr_array_new_with_free_func(request_free);
+    for (size_t i = 0; i < etcd->endpoint_count; i++) {
+        const char *at = etcd->endpoints[i];
+        if (!g_str_has_prefix(at, "http://") &&
+            !g_str_has_prefix(at, "https://")) {
+            enum pel_err err =
+                pel_fault_set(fault, PEL_ERR_INVALID,
+                              "%.100s is no http:// or https:// URL", at);
+            pel_etcd_destroy(etcd);
+            return err;
+        }
+    }
+    etcd->cert = g_strdup(options->cert);
+    etcd->key = g_strdup(options->key);
+    etcd->ca = g_strdup(options->ca);
+    etcd->headers = curl_slist_append(NULL, "Content-Type: application/json");
+    etcd->headers = curl_slist_append(etcd->headers, "Expect:");
+    etcd->multi = curl_multi_init();
+    curl_multi_setopt(etcd->multi, CURLMOPT_SOCKETFUNCTION, on_socket);
+    curl_multi_setopt(etcd->multi, CURLMOPT_SOCKETDATA, etcd);
+    curl_multi_setopt(etcd->multi, CURLMOPT_TIMERFUNCTION, on_timer);
+    curl_multi_setopt(etcd->multi, CURLMOPT_TIMERDATA, etcd);
+    *out = etcd;
+    return PEL_OK;
+}
+
+void pel_etcd_destroy(struct pel_etcd *etcd)
+{
+    if (!etcd) {
+        return;
+    }
+    watch_stop(etcd);
+    g_ptr_array_free(etcd->requests, TRUE);
+    if (etcd->multi) {
+        curl_multi_cleanup(etcd->multi);
+    }
+    if (etcd->timer) {
+        g_source_remove(etcd->timer);
+    }
+    curl_slist_free_all(etcd->headers);
+    g_strfreev(etcd->endpoints);
+    g_free(etcd->watch.prefix);
+    g_free(etcd->cert);
+    g_free(etcd->key);
+    g_free(etcd->ca);
+    g_free(etcd);
+}
+
+void pel_etcd_count(const struct pel_etcd *etcd, uint64_t *attempts,
+                    uint64_t *failures)
+{
+    *attempts = etcd->attempts;
+    *failures = etcd->failures;
+}
