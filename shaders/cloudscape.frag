@@ -37,7 +37,7 @@ void main()
 #ifdef PEL_NIGHT
         light += night_off(dir);
 #endif
-        clouded c = clouds_toward(transmittance, dir, light, blur, 1e9);
+        clouded c = clouds_toward(transmittance, dir, light, through_sky(transmittance, dir), blur, 1e9);
         scape = vec4(clouded_sky(c, light) - light * c.before, c.before);
     }
 }

@@ -3,6 +3,9 @@
 // sea, and the glare of the lights in its lens.
 #define PEL_METER
 #include "lib/blocks.h"
+#ifdef PEL_SPACE_WINDS
+#include "lib/windhere.glsl"
+#endif
 #include "lib/sky.glsl"
 #include "lib/clouds.glsl"
 #include "lib/fog.glsl"
@@ -31,7 +34,12 @@ layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 #ifdef PEL_UNDER
 #include "lib/underlight.glsl"
 #endif
+#ifdef PEL_SPACE
+layout(location = 0) uniform float form_share; // of the form from high up; 1: all
+layout(std430, binding = PEL_STORE_EXPOSURE) buffer out_block {
+#else
 layout(std430, binding = PEL_STORE_EXPOSURE) writeonly buffer out_block {
+#endif
     vec4 out_exposure;
     vec4 out_exposing;
     vec4 out_rods;
@@ -197,7 +205,7 @@ pel_shader_glare glare_of(int i)
                   light_transmittance(transmittance, eye.x, to.z, to.w);
 #endif
 #ifdef PEL_CLOUDS
-    direct *= clouds_toward(transmittance, to.xyz, vec3(0.0), 0.001, 1e9).beam;
+    direct *= clouds_toward(transmittance, to.xyz, vec3(0.0), vec3(0.0), 0.001, 1e9).beam;
 #endif
 #ifdef PEL_FOG
     direct *= exp(-fog_to_light(vec3(0.0, 0.0, eye.x), i, to.xyz));
@@ -248,6 +256,14 @@ void main()
         float mean = meter_mean(all.x, level_seen);
         bool fixed_ev = samples == 0 || rod.w > float(PEL_VISION_EYE);
         float ev = fixed_ev ? meter.y : meter_ev(mean, high, level_seen);
+#ifdef PEL_SPACE
+        if (form_share < 1.0) {
+            vec3 low = out_exposure.xyz;
+            ev = mix(low.x, ev, form_share);
+            all.x = mix(low.y, all.x, form_share);
+            high = mix(low.z, high, form_share);
+        }
+#endif
         out_exposure = vec4(ev, all.x, high, 0.0);
         vec3 balance = meter.z == float(PEL_TONE_LINEAR)
                            ? vec3(1.0)
@@ -264,10 +280,22 @@ void main()
         balance = mix(balance, pow(grey / max(white, vec3(1e-9)), vec3(PEL_CLOUD_WHITE)),
                       meter.z == float(PEL_TONE_LINEAR) ? 0.0 : 1.0 - lights_leave[0]);
 #endif
+#ifdef PEL_SPACE
+        if (form_share < 1.0) {
+            vec3 low = out_exposing.rgb;
+            balance = mix(low / max(low.g, 1e-30) * balance.g, balance, form_share);
+        }
+#endif
         out_exposing = vec4(balance * (exp2(-ev) * (PEL_TONE_MIDDLE / PEL_METER_MIDDLE)), 0.0);
         out_rods = rod;
         for (int i = 0; i < PEL_LIT; i++) {
-            out_glare[i] = glare_of(i);
+            pel_shader_glare glare = glare_of(i);
+#ifdef PEL_SPACE
+            if (form_share < 1.0) {
+                glare.light.rgb = mix(out_glare[i].light.rgb, glare.light.rgb, form_share);
+            }
+#endif
+            out_glare[i] = glare;
         }
     }
 }

@@ -38,7 +38,7 @@ void main()
 #ifdef PEL_CLOUDS
     // Not lower than half a texel above the horizon.
     dir.z = max(dir.z, 0.01);
-    light = clouded_sky(clouds_toward(transmittance, normalize(dir), light, 0.02, 1e9), light);
+    light = clouded_sky(clouds_toward(transmittance, normalize(dir), light, through_sky(transmittance, normalize(dir)), 0.02, 1e9), light);
 #endif
 #ifdef PEL_FOG
     light = foggy_sky(fog_toward(vec3(0.0), normalize(vec3(dir.xy, max(dir.z, 0.01))), 1e7), light);

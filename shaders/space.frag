@@ -5,6 +5,9 @@
 #include "lib/blocks.h"
 #include "lib/turns.glsl"
 #include "lib/flat.glsl"
+#ifdef PEL_SPACE_WINDS
+#include "lib/windhere.glsl"
+#endif
 #ifdef PEL_AREAS
 #include "lib/areas.glsl"
 #endif
@@ -26,6 +29,9 @@
 #include "lib/glints.glsl"
 #include "lib/space.glsl"
 #include "lib/shade.glsl"
+#if defined(PEL_FOAM) || defined(PEL_WASH) || defined(PEL_SPACE_WINDS)
+#include "lib/foamlight.glsl"
+#endif
 #if defined(PEL_FOAM) || defined(PEL_WASH)
 #include "lib/foam.glsl"
 #endif

@@ -257,7 +257,7 @@ static void draw_alone(struct pel_lamp_map *map, uint32_t width,
     glEnable(GL_SCISSOR_TEST);
     glClearNamedFramebufferfv(map->fbo, GL_COLOR, 0, none);
     glDisable(GL_SCISSOR_TEST);
-    pel_lamp_map_put(map, map->light);
+    pel_lamp_map_put(map, map->light, 1.0);
 }
 
 void pel_lamp_map_alone(struct pel_lamp_map *map, bool compute, uint32_t width,
@@ -287,7 +287,7 @@ void pel_lamp_map_alone(struct pel_lamp_map *map, bool compute, uint32_t width,
     glBindTextureUnit(PEL_UNIT_LAMP_LIGHT, map->light);
 }
 
-void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light)
+void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light, double share)
 {
     if (map->count == 0) {
         return;
@@ -296,7 +296,9 @@ void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light)
     glDisable(GL_DEPTH_TEST);
     glBindTextureUnit(PEL_UNIT_LAMPS, map->spots_texels);
     glEnable(GL_BLEND);
-    glBlendFuncSeparate(GL_ONE, GL_ONE, GL_ZERO, GL_ONE);
+    glBlendColor(0, 0, 0, (float)share);
+    glBlendFuncSeparate(share < 1.0 ? GL_CONSTANT_ALPHA : GL_ONE, GL_ONE,
+                        GL_ZERO, GL_ONE);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, map->fbo);
     glUseProgram(map->put);
     glDrawArraysInstanced(GL_TRIANGLES, 0, 6, (GLsizei)map->count);

@@ -55,5 +55,5 @@ void pel_lamp_map_find(struct pel_lamp_map *map,
 void pel_lamp_map_alone(struct pel_lamp_map *map, bool compute, uint32_t width,
                         uint32_t height);
 
-/* Adds them to the light in a texture. */
-void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light);
+/* Adds `share` of them to the light in a texture. */
+void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light, double share);

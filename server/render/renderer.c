@@ -306,8 +306,8 @@ static bool any_high(const struct pel_environment *env,
 {
     bool any = false;
     for (size_t i = 0; i < count; i++) {
-        any |= pel_space_is(env, eye_height(env, &draws[i])) ||
-               pel_space_is(env, meter_height(env, &draws[i]));
+        any |= pel_space_share(env, eye_height(env, &draws[i])) > 0 ||
+               pel_space_share(env, meter_height(env, &draws[i])) > 0;
     }
     return any;
 }
@@ -322,14 +322,16 @@ static enum pel_err need_view(struct pel_renderer *r,
     here.altitude_m -= env->sea_level_m;
     const struct pel_lens_place lens = pel_lens_place(env, &here);
     const bool under = pel_lens_under(&lens);
-    const unsigned all = pel_view_layers(r, env, draw, under);
-    const unsigned layers = pel_view_at_once(env, draw, all, under);
+    const double share = pel_space_share(env, height_m);
+    const bool late = under || (share > 0 && share < 1);
+    const unsigned all = pel_view_layers(r, env, draw, late);
+    const unsigned layers = pel_view_at_once(env, draw, all, late);
     r->programs.above = pel_view_above_clouds(env, here.altitude_m);
-    enum pel_err err =
-        pel_space_is(env, height_m)
-            ? pel_space_need_view(r, env, height_m, layers, fault)
-            : need_low(r, env, layers, fault);
-    if (err == PEL_OK && pel_space_is(env, meter_m)) {
+    enum pel_err err = share < 1 ? need_low(r, env, layers, fault) : PEL_OK;
+    if (err == PEL_OK && share > 0) {
+        err = pel_space_need_view(r, env, height_m, layers, fault);
+    }
+    if (err == PEL_OK && pel_space_share(env, meter_m) > 0) {
         err = pel_space_need_view(r, env, meter_m, 0, fault);
     }
     if (err == PEL_OK) {
@@ -410,6 +412,11 @@ static enum pel_err begin_frame(struct pel_renderer *r,
     pel_stage_begin(&r->timing);
     if (any_high(here, draws, count)) {
         pel_space_suns(&r->space, &r->sky, here);
+        err = here->weather ? pel_wind_map_need(&r->space.winds, here) : PEL_OK;
+        if (err != PEL_OK) {
+            pel_arena_end(&r->arena);
+            return err;
+        }
     }
     bind_frame(r, here);
     r->env = here;

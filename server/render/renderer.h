@@ -73,6 +73,10 @@ struct pel_environment {
     /* Of the map that cameras stand on, for what is seen from high up. */
     double origin_latitude_rad, origin_longitude_rad;
     bool continents; /* are drawn there, where their files are */
+    /* Winds over the Earth, which the sea from high up has, at the time asked
+     * for; NULL: the scene's everywhere. */
+    const struct pel_weather *weather;
+    double weather_unix_s;
     struct pel_water_body water;
     enum pel_water_orders orders;
     /* Depths to have the water's light for, over a bottom that is not flat;

@@ -14,9 +14,11 @@
  * sphere of the low one and the light of its eye's nadir turn into the
  * ellipsoid and the light of each point. What there is only near the eye
  * (things, lamps, a bottom, clouds and fog with a shape) keeps the low form up
- * to WHOLE. */
+ * to WHOLE; from there to ALONE such views are drawn in both forms and mixed.
+ */
 #define PEL_SPACE_LEAST_M 10000.0
 #define PEL_SPACE_WHOLE_M 20000.0
+#define PEL_SPACE_ALONE_M 30000.0
 
 struct pel_space_geometry {
     double height_m;       /* in the sphere's frame, above its radius */

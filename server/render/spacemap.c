@@ -1,12 +1,14 @@
 #include "render/spacemap.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/reserve.h"
 #include "continents/continents.h"
 #include "optics/atmosphere.h"
+#include "render/cloudsystems.h"
 #include "render/programs.h"
 #include "render/shader.h"
 #include "render/uniforms.h"
@@ -20,13 +22,23 @@
 /* Air that shines beyond the horizon of an eye. */
 #define AIR_BEYOND (8.0 * PEL_DEG)
 
-bool pel_space_is(const struct pel_environment *env, double height_m)
+double pel_space_share(const struct pel_environment *env, double height_m)
 {
     bool near = env->object_count > 0 || env->lamp_count > 0 || env->seabed ||
                 env->clouds.cover > 0 || env->fog_count > 0 || env->panorama;
-    return env->high > 0 ||
-           (!env->high &&
-            height_m >= (near ? PEL_SPACE_WHOLE_M : PEL_SPACE_LEAST_M));
+    if (env->high || !near) {
+        return env->high > 0 || (!env->high && height_m >= PEL_SPACE_LEAST_M);
+    }
+    /* As steady by the octave as rows themselves. */
+    double x = pel_clamp(log(height_m / PEL_SPACE_WHOLE_M) /
+                             log(PEL_SPACE_ALONE_M / PEL_SPACE_WHOLE_M),
+                         0.0, 1.0);
+    return x * x * (3.0 - 2.0 * x);
+}
+
+bool pel_space_is(const struct pel_environment *env, double height_m)
+{
+    return pel_space_share(env, height_m) >= 0.5;
 }
 
 struct pel_space_geometry
@@ -76,13 +88,15 @@ enum pel_err pel_space_need(struct pel_space_map *m, const char *shader_dir,
                                     NULL, &m->air_program, fault);
 }
 
-enum pel_err pel_space_need_meter(struct pel_space_map *m, int lit,
+enum pel_err pel_space_need_meter(struct pel_space_map *m, int lit, bool winds,
                                   const char *shader_dir,
                                   struct pel_fault *fault)
 {
-    GLuint *program = &m->meter_program[lit - 1];
-    const char *defines = lit > 1 ? "#define PEL_SPACE\n#define PEL_LIT 2\n"
-                                  : "#define PEL_SPACE\n";
+    GLuint *program = &m->meter_program[winds][lit - 1];
+    char defines[96];
+    snprintf(defines, sizeof defines, "#define PEL_SPACE\n%s%s",
+             lit > 1 ? "#define PEL_LIT 2\n" : "",
+             winds ? "#define PEL_SPACE_WINDS\n" : "");
     return *program ? PEL_OK
                     : pel_program_create(shader_dir, "meter.comp", NULL,
                                          defines, program, fault);
@@ -210,16 +224,34 @@ static void make_sun(struct pel_space_map *m, struct pel_sky *sky,
         log2_of(light.skies[0], light.beams[0], fmax(sin(e), 0.0));
 }
 
+/* Weather changes the scene's sea all the time; the light that is kept follows
+ * it by sixteenths of an octave, of which a thousandth or so is seen. */
+static const struct pel_sea *about_as_rough(const struct pel_sea *sea,
+                                            struct pel_sea *about)
+{
+    double mean = 0.5 * (sea->slope_variance_along + sea->slope_variance_cross);
+    *about = *sea;
+    about->slope_variance_along = about->slope_variance_cross =
+        mean > 0 ? exp2(round(16 * log2(mean)) / 16) : 0;
+    return about;
+}
+
 void pel_space_suns(struct pel_space_map *m, struct pel_sky *sky,
                     const struct pel_environment *env)
 {
+    static struct pel_sea about; /* one thread */
+    struct pel_environment fake = *env;
+    if (env->weather) {
+        fake.sea = about_as_rough(env->sea, &about);
+        fake.wind_to_rad = 0;
+    }
     const double key[PEL_SPACE_SUN_KEYS] = {
         env->visibility_m,
         (double)sky->water.version,
-        env->sea->slope_variance_along,
-        env->sea->slope_variance_cross,
+        fake.sea->slope_variance_along,
+        fake.sea->slope_variance_cross,
         env->water.index[1],
-        env->wind_to_rad,
+        fake.wind_to_rad,
     };
     if (m->suns_made && memcmp(key, m->sun_key, sizeof key) == 0) {
         return;
@@ -233,7 +265,6 @@ void pel_space_suns(struct pel_space_map *m, struct pel_sky *sky,
     }
     buffer_for(&m->frame, sizeof(struct pel_block_frame), "frame by elevation");
     buffer_for(&m->eye, sizeof(struct pel_block_eye), "eye by elevation");
-    struct pel_environment fake = *env;
     fake.lit = fake.discs = 1;
     fake.night = (struct pel_night_sky){ 0 };
     fake.panorama = NULL;
@@ -437,6 +468,25 @@ static struct pel_vec4 vec4(double x, double y, double z, double w)
     return (struct pel_vec4){ (float)x, (float)y, (float)z, (float)w };
 }
 
+/* --- systems of clouds -----------------------------------------------------
+ */
+
+static void fill_origin(const struct pel_environment *env, double from,
+                        struct pel_block_space *out)
+{
+    const double lat = env->origin_latitude_rad,
+                 lon = env->origin_longitude_rad;
+    const struct pel_vec3 at = { cos(lat) * cos(lon), cos(lat) * sin(lon),
+                                 sin(lat) };
+    double o[PEL_CLOUD_OCTAVES] = { 0 };
+    if (env->clouds.cover > 0) {
+        pel_cloud_systems(at, from, o);
+    }
+    out->space_origin = vec4(at.x, at.y, at.z, o[0]);
+    out->space_systems[0] = vec4(o[1], o[2], o[3], o[4]);
+    out->space_systems[1] = vec4(o[5], o[6], o[7], o[8]);
+}
+
 static void put_columns(const struct pel_mat3 *m, struct pel_vec4 out[3])
 {
     out[0] = vec4(m->x.x, m->x.y, m->x.z, 0);
@@ -456,6 +506,7 @@ void pel_fill_space(const struct pel_space_map *m,
         : env->sea->count
             ? 2.0 * PEL_PI / hypot(env->sea->waves[0].kx, env->sea->waves[0].ky)
             : 0.0;
+    const double systems = fmod(0.618 * env->clouds.seed, 64.0) - 32.0;
     *out = (struct pel_block_space){
         .space_eye =
             vec4(g->height_m, -sqrt(g->height_m * (radius + r)) / r, g->whole,
@@ -463,13 +514,14 @@ void pel_fill_space(const struct pel_space_map *m,
         .space_more = vec4(env->continents && m->land, longest, 0, 0),
         /* Systems of clouds fade in as tiles of the field become many. */
         .space_cloud =
-            vec4(fmod(0.618 * env->clouds.seed, 64.0) - 32.0,
+            vec4(systems,
                  0.8 * pel_clamp(log(g->height_m / CLOUDS_LEAST_M) /
                                      log(CLOUDS_WHOLE_M / CLOUDS_LEAST_M),
                                  0.0, 1.0),
                  0, 0),
         .space_sun = vec4(sun.r, sun.g, sun.b, 0),
     };
+    fill_origin(env, systems, out);
     put_columns(&g->from, out->space_from);
     put_columns(&g->earth, out->space_earth);
     for (int i = 0; i < PEL_LIGHTS; i++) {
@@ -486,8 +538,10 @@ void pel_space_map_finish(struct pel_space_map *m)
 {
     glDeleteProgram(m->air_program);
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        glDeleteProgram(m->meter_program[i]);
+        glDeleteProgram(m->meter_program[0][i]);
+        glDeleteProgram(m->meter_program[1][i]);
     }
+    pel_wind_map_finish(&m->winds);
     for (int i = 0; i < m->program_count; i++) {
         glDeleteProgram(m->programs[i].program);
         free(m->programs[i].defines);

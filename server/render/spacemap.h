@@ -9,6 +9,7 @@
 #include "render/renderer.h"
 #include "render/sky.h"
 #include "render/spacegeometry.h"
+#include "render/windmap.h"
 
 #define PEL_SPACE_EYES 4
 #define PEL_SPACE_KEYS (8 * PEL_LIGHTS + 5)
@@ -29,7 +30,7 @@ struct pel_space_program {
 
 /* Zeroed before its first use. */
 struct pel_space_map {
-    GLuint air_program, meter_program[PEL_LIGHTS];
+    GLuint air_program, meter_program[2][PEL_LIGHTS]; /* the second by winds */
     struct pel_space_program *programs;
     int program_count;
     struct pel_space_air eyes[PEL_SPACE_EYES];
@@ -41,11 +42,15 @@ struct pel_space_map {
     struct pel_vec4 suns[2 * PEL_SPACE_SUNS];
     double sun_key[PEL_SPACE_SUN_KEYS];
     bool suns_made;
+    struct pel_wind_map winds;
 };
 
 void pel_space_map_finish(struct pel_space_map *m);
 
-/* Whether an eye so high above the sea has this form. */
+/* The share of this form in what an eye so high above the sea sees: 0 the low
+ * form alone, 1 this alone, between them both are drawn. What is not light has
+ * the form of the larger share. */
+double pel_space_share(const struct pel_environment *env, double height_m);
 bool pel_space_is(const struct pel_environment *env, double height_m);
 
 /* The environment with the lights that anything in sight of such an eye has, in
@@ -67,11 +72,12 @@ void pel_space_suns(struct pel_space_map *m, struct pel_sky *sky,
                     const struct pel_environment *env);
 
 /* A program of shaders/space.frag, made when it is first asked for; 0 with a
- * fault where it cannot be. The meter's for so many lights. */
+ * fault where it cannot be. The meter's for so many lights, with winds or
+ * without. */
 GLuint pel_space_program(struct pel_space_map *m, const char *shader_dir,
                          const char *defines, struct pel_fault *fault);
 PEL_CHECK enum pel_err pel_space_need_meter(struct pel_space_map *m, int lit,
-                                            const char *shader_dir,
+                                            bool winds, const char *shader_dir,
                                             struct pel_fault *fault);
 
 /* Brings continents to the device, where some are wanted and not there yet; the

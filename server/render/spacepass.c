@@ -14,10 +14,12 @@ static void defines_of(struct pel_renderer *r,
 {
     char surface[PEL_SURFACE_TEXT];
     pel_programs_surface(&r->programs, here->sea, surface);
-    snprintf(out, DEFINES, "%s%s%s%s%s%s%s", surface, pel_shading_defines(kind),
+    snprintf(out, DEFINES, "%s%s%s%s%s%s%s%s", surface,
+             pel_shading_defines(kind),
              here->lit > 1 ? "#define PEL_LIT 2\n" : "",
              here->night.on ? "#define PEL_NIGHT\n" : "",
              here->clouds.cover > 0 ? "#define PEL_SPACE_CLOUDS\n" : "",
+             here->weather ? "#define PEL_SPACE_WINDS\n" : "",
              disc ? "#define PEL_DISCS 2\n" : "#define PEL_NO_DISC\n",
              pel_programs_foam(here->sea));
 }
@@ -40,7 +42,8 @@ enum pel_err pel_space_need_view(struct pel_renderer *r,
     const struct pel_environment here = pel_space_environment(env, height_m);
     enum pel_err err = pel_space_need(&r->space, r->shader_dir, fault);
     if (err == PEL_OK) {
-        err = pel_space_need_meter(&r->space, here.lit, r->shader_dir, fault);
+        err = pel_space_need_meter(&r->space, here.lit, here.weather,
+                                   r->shader_dir, fault);
     }
     struct pel_pass pass = pel_pass_first(layers, false);
     do {
@@ -127,6 +130,10 @@ static void begin(struct pel_renderer *r, const struct pel_environment *env,
     pel_fill_space(&r->space, &here, &g, &block);
     block.space_sun.w = (float)level;
     veil(&here, meter, &block);
+    if (here.weather) {
+        block.space_winds = pel_wind_map_place(&r->space.winds, &here);
+        pel_wind_map_bind(&r->space.winds);
+    }
     pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, PEL_BLOCK_SPACE, &block,
                    sizeof block);
     pel_space_bind(&r->space, &r->sky, &here, &block);
@@ -147,8 +154,11 @@ void pel_space_expose(struct pel_renderer *r, const struct pel_environment *env,
                       const struct pel_camera *c, double height_m)
 {
     const struct pel_environment here = pel_space_environment(env, height_m);
+    const GLuint program =
+        r->space.meter_program[here.weather != NULL][here.lit - 1];
     begin(r, env, c, height_m, true);
-    pel_meter_use(&r->meter, r->space.meter_program[here.lit - 1]);
+    glProgramUniform1f(program, 0, (float)pel_space_share(env, height_m));
+    pel_meter_use(&r->meter, program);
     pel_space_end(r, env);
 }
 
@@ -159,12 +169,58 @@ static void draw(GLuint program, const struct pel_pass *pass)
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
+static struct pel_environment here_of(const struct pel_environment *env,
+                                      const struct pel_camera *whole)
+{
+    return pel_space_environment(env, fmax(whole->altitude_m, PEL_LEAST_EYE_M));
+}
+
+/* Which of the attachments of a pass are light, as bits. */
+static unsigned of_light(const struct pel_pass *pass)
+{
+    unsigned bits = 1;
+    for (int i = 0; i < PEL_FRAGMENT_SLOTS; i++) {
+        int layer = pass->layer[i];
+        if (layer >= 0 && pel_layers_of_light() & pel_layer_table[layer].bit) {
+            bits |= 2u << i;
+        }
+    }
+    return bits;
+}
+
+void pel_space_mix(struct pel_renderer *r, const struct pel_environment *env,
+                   const struct pel_camera *whole, unsigned layers,
+                   double share)
+{
+    const struct pel_environment here = here_of(env, whole);
+    struct pel_fault fault;
+    struct pel_pass pass = pel_pass_first(layers, false);
+    glDisable(GL_DEPTH_TEST);
+    glBlendColor(0, 0, 0, (float)share);
+    do {
+        const unsigned light = of_light(&pass);
+        glBindFramebuffer(GL_DRAW_FRAMEBUFFER,
+                          pel_targets_attach(&r->targets, &pass));
+        for (GLuint i = 0; i <= PEL_FRAGMENT_SLOTS; i++) {
+            const bool mixed = light >> i & 1;
+            const GLboolean shown = mixed || share >= 0.5;
+            (mixed ? glEnablei : glDisablei)(GL_BLEND, i);
+            glColorMaski(i, shown, shown, shown, shown);
+        }
+        /* The radiance's fourth component stays the low form's. */
+        glBlendFuncSeparate(GL_CONSTANT_ALPHA, GL_ONE_MINUS_CONSTANT_ALPHA,
+                            GL_ZERO, GL_ONE);
+        draw(program_of(r, &here, pass.kind, true, &fault), &pass);
+    } while (pel_pass_next(&pass, false));
+    glDisable(GL_BLEND);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+}
+
 bool pel_space_shade(struct pel_renderer *r, const struct pel_environment *env,
                      const struct pel_camera *whole, struct pel_band band,
                      unsigned layers)
 {
-    const struct pel_environment here =
-        pel_space_environment(env, fmax(whole->altitude_m, PEL_LEAST_EYE_M));
+    const struct pel_environment here = here_of(env, whole);
     struct pel_fault fault;
     struct pel_pass pass = pel_pass_first(layers, false);
     bool toned = pass.kind == PEL_SHADE_COLOR || pass.kind == PEL_SHADE_BOTH;

@@ -16,7 +16,8 @@ PEL_CHECK enum pel_err pel_space_need_view(struct pel_renderer *r,
                                            struct pel_fault *fault);
 
 /* Exposes a view by the eye at this height; the blocks `eye` and `sighted` are
- * bound. */
+ * bound. Where it has a share of the low form the block `exposure` holds that's
+ * meter's, which is mixed in. */
 void pel_space_expose(struct pel_renderer *r, const struct pel_environment *env,
                       const struct pel_camera *c, double height_m);
 
@@ -28,4 +29,9 @@ void pel_space_begin(struct pel_renderer *r, const struct pel_environment *env,
 bool pel_space_shade(struct pel_renderer *r, const struct pel_environment *env,
                      const struct pel_camera *whole, struct pel_band band,
                      unsigned layers);
+/* Mixes its share into the light of a picture of the low form; of other layers
+ * takes the larger share's. */
+void pel_space_mix(struct pel_renderer *r, const struct pel_environment *env,
+                   const struct pel_camera *whole, unsigned layers,
+                   double share);
 void pel_space_end(struct pel_renderer *r, const struct pel_environment *env);

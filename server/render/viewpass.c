@@ -32,7 +32,8 @@ struct view {
     struct pel_band band;
     double height_m, table_height_m; /* of the eye, and of its light's tables */
     struct pel_lens_place lens;
-    bool high; /* it has the form of render/spacemap.h */
+    double share; /* pel_space_share */
+    bool high;    /* it has the form of render/spacemap.h alone */
     const struct pel_sea_programs *programs;
     struct pel_block_view block;
     struct pel_block_eye eye;
@@ -60,29 +61,29 @@ bool pel_view_edges(const struct pel_renderer *r, const struct pel_camera *c)
  * everywhere. */
 static bool is_toned_last(const struct pel_environment *env,
                           const struct pel_draw *draw, unsigned layers,
-                          bool under)
+                          bool late)
 {
-    return under || pel_fall_map_shows(env, layers) ||
+    return late || pel_fall_map_shows(env, layers) ||
            pel_pane_map_shows(&draw->camera, layers) ||
            pel_acuity_border(env, &draw->camera, draw->layers) > 0;
 }
 
 unsigned pel_view_layers(const struct pel_renderer *r,
                          const struct pel_environment *env,
-                         const struct pel_draw *draw, bool under)
+                         const struct pel_draw *draw, bool late)
 {
     unsigned layers = pel_sensing_layers(&draw->camera, draw->layers);
     bool mixed = pel_view_edges(r, &draw->camera) ||
                  (env->object_count && !r->programs.compute) ||
-                 is_toned_last(env, draw, layers, under);
+                 is_toned_last(env, draw, layers, late);
     return mixed ? layers | PEL_LAYER_RADIANCE : layers;
 }
 
 unsigned pel_view_at_once(const struct pel_environment *env,
                           const struct pel_draw *draw, unsigned asked,
-                          bool under)
+                          bool late)
 {
-    return is_toned_last(env, draw, asked, under)
+    return is_toned_last(env, draw, asked, late)
                ? asked & ~(unsigned)PEL_LAYER_COLOR
                : asked;
 }
@@ -92,6 +93,11 @@ bool pel_view_above_clouds(const struct pel_environment *env, double altitude_m)
     return env->clouds.cover > 0 && altitude_m > env->clouds.base_m;
 }
 
+static bool is_late(const struct view *v)
+{
+    return pel_lens_under(&v->lens) || (v->share > 0.0 && v->share < 1.0);
+}
+
 /* What decides how a pixel is drawn is planned for the whole picture. */
 static void plan_pixels(struct pel_renderer *r,
                         const struct pel_environment *env, struct view *v)
@@ -99,14 +105,15 @@ static void plan_pixels(struct pel_renderer *r,
     const struct pel_draw *draw = v->draw;
     const int border = v->border;
     v->lens = pel_lens_place(env, &draw->camera);
-    v->asked = pel_view_layers(r, env, draw, pel_lens_under(&v->lens));
+    v->share = pel_space_share(env, draw->camera.altitude_m);
+    v->high = v->share >= 1.0;
+    v->asked = pel_view_layers(r, env, draw, is_late(v));
     v->whole = pel_edges_camera(&draw->camera, border);
     v->band = pel_band_of(draw);
     v->band.rows += 2 * (uint32_t)border;
     v->part = pel_band_camera(&v->whole, v->band);
     v->height_m = v->whole.altitude_m;
     v->table_height_m = pel_sky_quantize_height(v->height_m);
-    v->high = pel_space_is(env, v->height_m);
     r->margin = pel_view_edges(r, &v->whole) && v->lens.state != PEL_LENS_WET &&
                         !v->high
                     ? PEL_EDGES_MARGIN
@@ -325,12 +332,14 @@ static void expose(struct pel_renderer *r, const struct pel_environment *env,
     pel_acuity_meter(env, c, &sights);
     bind(r, PEL_BLOCK_EYE, &eye, sizeof eye);
     bind(r, PEL_BLOCK_SIGHTS, &sights, sizeof sights);
-    if (pel_space_is(env, height_m)) {
-        pel_space_expose(r, env, c, height_m);
-        return;
+    double share = pel_space_share(env, height_m);
+    if (share < 1.0) {
+        pel_sky_bind_eye(&r->sky, env, table_height_m);
+        pel_meter_run(&r->meter, env, under);
     }
-    pel_sky_bind_eye(&r->sky, env, table_height_m);
-    pel_meter_run(&r->meter, env, under);
+    if (share > 0.0) {
+        pel_space_expose(r, env, c, height_m);
+    }
 }
 
 static void bind_eye(struct pel_renderer *r, const struct pel_environment *env,
@@ -526,12 +535,12 @@ static GLuint put_over(struct pel_renderer *r,
             pel_acuity_run(&r->acuity, &r->targets, (GLsizei)v->block.size.x,
                            (GLsizei)v->block.size.y, r->margin + v->border);
     }
-    if (env->lamp_count > 0 && !wet &&
+    if (env->lamp_count > 0 && !wet && !v->high &&
         (!toned || wanted & PEL_LAYER_RADIANCE)) {
         over_all(v);
-        pel_lamp_map_put(&r->lamps, sharp);
+        pel_lamp_map_put(&r->lamps, sharp, 1.0 - v->share);
         if (light != sharp) {
-            pel_lamp_map_put(&r->lamps, light);
+            pel_lamp_map_put(&r->lamps, light, 1.0 - v->share);
         }
     }
     if (pel_pane_map_shows(&v->part, v->asked) && !wet) {
@@ -567,6 +576,19 @@ static void draw_high(struct pel_renderer *r, const struct pel_environment *env,
     if (!toned && v->asked & PEL_LAYER_COLOR) {
         pel_shade_tone(r, &v->part, light);
     }
+    pel_space_end(r, env);
+}
+
+/* The form from high up over the low one's picture. */
+static void mix_high(struct pel_renderer *r, const struct pel_environment *env,
+                     const struct view *v, unsigned now)
+{
+    pel_space_begin(r, env, &v->whole, v->height_m);
+    if (env->night.on) {
+        pel_night_textures_bind(&r->sky.night, env, &v->block);
+    }
+    over_all(v);
+    pel_space_mix(r, env, &v->wide, now, v->share);
     pel_space_end(r, env);
 }
 
@@ -651,7 +673,7 @@ static enum pel_err draw_pixels(struct pel_renderer *r,
     pel_stage_begin(&r->timing);
     pel_sky_bind_eye(&r->sky, env, v.table_height_m);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
-    const unsigned now = pel_view_at_once(env, draw, v.asked, under);
+    const unsigned now = pel_view_at_once(env, draw, v.asked, is_late(&v));
     const bool toned = pel_shade_tones(r, now);
     if (!wet) {
         draw_in_air(r, env, &v, now, toned);
@@ -663,6 +685,9 @@ static enum pel_err draw_pixels(struct pel_renderer *r,
             bind(r, PEL_BLOCK_EYE, &v.eye, sizeof v.eye);
         }
         draw_in_water(r, env, &v, now);
+    }
+    if (v.share > 0.0) {
+        mix_high(r, env, &v, now);
     }
     const GLuint light = put_over(r, env, &v, toned);
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);

@@ -25,16 +25,17 @@ bool pel_view_edges(const struct pel_renderer *r, const struct pel_camera *c);
 
 /* The layers that are shaded: those asked for, and the radiance where outlines
  * are mixed, objects as fragments lie before what is behind them, or something
- * comes between light and colour; `under`: an eye that is in the water or at
- * its surface (pel_lens_under). */
+ * comes between light and colour; `late`: of an eye that is in the water or at
+ * its surface (pel_lens_under), or whose view has two forms (pel_space_share).
+ */
 unsigned pel_view_layers(const struct pel_renderer *r,
                          const struct pel_environment *env,
-                         const struct pel_draw *draw, bool under);
+                         const struct pel_draw *draw, bool late);
 
 /* What is shaded of them at once. */
 unsigned pel_view_at_once(const struct pel_environment *env,
                           const struct pel_draw *draw, unsigned asked,
-                          bool under);
+                          bool late);
 
 /* At an altitude above the sea's zero, in metres. */
 bool pel_view_above_clouds(const struct pel_environment *env,

@@ -94,6 +94,8 @@ struct pel_vec4 {
 #define PEL_UNIT_SPACE_SECONDS 51
 #define PEL_UNIT_SPACE_LAND 52
 #define PEL_UNIT_SPACE_GROUND 53
+#define PEL_UNIT_SPACE_WINDS 54
+#define PEL_UNIT_SPACE_ROUGH 55
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
 #define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
@@ -642,6 +644,12 @@ PEL_BLOCK(PEL_BLOCK_EYE, eye)
 #define PEL_SPACE_GROUND_ROWS 80
 #define PEL_SPACE_LIMB_ROWS 64
 #define PEL_SPACE_STEPS 32
+/* Columns and rows of the Earth's winds; columns of the sea's roughness by wind
+ * speed from 0 to MOST m/s. */
+#define PEL_WIND_COLUMNS 720
+#define PEL_WIND_ROWS 360
+#define PEL_WIND_SPEEDS 61
+#define PEL_WIND_MOST 30.0
 #if defined(__STDC__) || defined(PEL_SPACE)
 PEL_BLOCK(PEL_BLOCK_SPACE, space)
 {
@@ -661,6 +669,12 @@ PEL_BLOCK(PEL_BLOCK_SPACE, space)
     /* log2 of what the first of the lights' kind gives at strength 1, by its
      * elevation: rgb irradiance of the sky, then of all on the level plane. */
     vec4 space_suns[2 * PEL_SPACE_SUNS];
+    vec4 space_origin; /* xyz of the scene, in the Earth's axes; w and the
+                          next: noise of systems of clouds there, by octaves */
+    vec4 space_systems[2];
+    vec4 space_winds; /* x how far between two times of the winds; y the scene's
+                         speed, m/s; zw slope variance of the scene's sea along,
+                         across, by that of the table at this speed */
     vec4 space_sun; /* rgb its irradiance above the air; w illuminance where the
                        lights stand highest of all that is seen, lx */
 };

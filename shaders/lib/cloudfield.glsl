@@ -14,6 +14,25 @@ vec2 cloud_top(vec2 u, float fine)
     return vec2(x > 0.0 ? x * (2.0 - x) : 2.0 * x, clamp((over + 1.2 * s) / (2.4 * s + 0.03 * rise), 0.0, 1.0));
 }
 
+// Of the depth of all air but ozone between the sea and an eye, what is above the
+// clouds' middle.
+vec3 air_above_clouds(float h)
+{
+    float z = cloud_size.x + 0.5 * cloud_size.y;
+    vec3 molecules = rayleigh.rgb * rayleigh.w;
+    float dust = mie.x * mie.z;
+    return (molecules * max(exp(-z / rayleigh.w) - exp(-h / rayleigh.w), 0.0) +
+            dust * max(exp(-z / mie.z) - exp(-h / mie.z), 0.0)) /
+           max(molecules * (1.0 - exp(-h / rayleigh.w)) + dust * (1.0 - exp(-h / mie.z)), vec3(1e-9));
+}
+
+// Light of the air between the sea and an eye, of which clouds shade what is below
+// them.
+vec3 air_below_clouds(float h)
+{
+    return mix(vec3(cloud_light.x), vec3(1.0), air_above_clouds(h));
+}
+
 // Metres as the tile's.
 vec2 cloud_across(vec2 x)
 {

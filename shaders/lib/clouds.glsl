@@ -159,9 +159,15 @@ struct clouded {
     vec3 air;     // of it, the air before the clouds
 };
 
-// Towards a unit direction: `sky` is the clear sky's radiance there, `angle` that
-// of a pixel, `far` where what is seen stands.
-clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, float far)
+// What a clear sky lets through.
+vec3 through_sky(sampler2D transmittance, vec3 dir)
+{
+    return transmittance_to_top(transmittance, eye.x, max(dir.z, horizon_cosine(eye.x)));
+}
+
+// Towards a unit direction: `sky` is the clear air's radiance there and `all` what
+// it lets through, `angle` that of a pixel, `far` where what is seen stands.
+clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, vec3 all, float angle, float far)
 {
     float h = eye.x;
     float low = cloud_size.x, high = low + cloud_size.y;
@@ -293,15 +299,16 @@ clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, float angle, 
     if (wide < 1.0) {
         // The air before them: its part of the sky's by its own optical depth.
         float d = mean / (1.0 - wide);
-        float rise = max(height_along(h, dir.z, d) - h, 1.0);
+        float rise = height_along(h, dir.z, d) - h;
+        rise = rise < 0.0 && h > high ? min(rise, -1.0) : max(rise, 1.0);
         float r = rayleigh.w, m = mie.z;
         vec3 way = d / rise *
                    (rayleigh.rgb * r * (exp(-h / r) - exp(-(h + rise) / r)) +
                     mie.x * m * (exp(-h / m) - exp(-(h + rise) / m)));
         vec3 through = exp(-way);
-        vec3 all = transmittance_to_top(transmittance, h, max(dir.z, horizon_cosine(h)));
         result.air = sky * clamp((1.0 - through) / max(1.0 - all, 1e-4), 0.0, 1.0);
-        result.light = sum * through + result.air * (1.0 - wide) * cloud_light.x;
+        // Clouds that are seen from above leave it its light.
+        result.light = sum * through + result.air * (1.0 - wide) * (h > high ? 1.0 : cloud_light.x);
     }
     return result;
 }
@@ -316,6 +323,7 @@ float beam_behind_clouds(float before)
 // through.
 vec3 clouded_sky(clouded c, vec3 sky)
 {
-    return c.light + (sky - c.air) * c.before + c.air * c.before * mix(cloud_light.x, 1.0, c.before);
+    float lit_ = eye.x > cloud_size.x + cloud_size.y ? 1.0 : mix(cloud_light.x, 1.0, c.before);
+    return c.light + (sky - c.air) * c.before + c.air * c.before * lit_;
 }
 #endif

@@ -1,4 +1,7 @@
 // The air between the eye and a surface: towards its equilibrium radiance.
+#ifdef PEL_CLOUDS
+#include "lib/cloudfield.glsl"
+#endif
 layout(binding = PEL_UNIT_EYE_HAZE) uniform sampler2D eye_haze;
 
 // What comes through of light from `range` m along the unit direction; `air`:
@@ -11,7 +14,7 @@ vec3 haze(vec3 dir, float range, out vec3 air)
     vec3 through = exp(-(textureLod(eye_haze, uv, 0.0).rgb + lut.z) * (range * (1.0 - water.w)));
     air = sky_light(eye_table, dir.xy, angle) * (1.0 - through);
 #ifdef PEL_CLOUDS
-    air *= cloud_light.x;
+    air *= air_below_clouds(eye.x);
 #endif
 #ifdef PEL_FOG
     fogged fog = fog_toward(vec3(0.0, 0.0, eye.x), dir, range);

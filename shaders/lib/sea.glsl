@@ -198,7 +198,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     vec3 through = haze(dir, range, air);
     light = light * through + air;
 #ifdef PEL_CLOUDS_BELOW
-    clouded below_eye = clouds_toward(transmittance, dir, light, pixel.x / ray_length, range);
+    clouded below_eye = clouds_toward(transmittance, dir, air, through, pixel.x / ray_length, range);
     light = below_eye.light + light * below_eye.before;
 #endif
     shaded result = only_light(from_under_water(light, dir.z));

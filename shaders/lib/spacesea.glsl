@@ -31,6 +31,31 @@ float land_at(vec3 earth, float footprint, out vec3 albedo)
     return share * space_eye.z;
 }
 
+#ifdef PEL_SPACE_WINDS
+layout(binding = PEL_UNIT_SPACE_WINDS) uniform sampler2DArray earth_winds; // m/s, axes of the Earth; at two times
+layout(binding = PEL_UNIT_SPACE_ROUGH) uniform sampler2D sea_rough; // slope variances, dense foam; crests
+
+// Sets wind and crests to those of the point; its mean share of dense foam.
+float wind_at(space_point p)
+{
+    wind = scene_wind();
+    vec2 uv = vec2(atan(p.earth.y, p.earth.x) * (0.5 / PI) + 0.5,
+                   atan(p.earth.z, length(p.earth.xy)) * (1.0 / PI) + 0.5);
+    vec3 blows = mix(textureLod(earth_winds, vec3(uv, 0.0), 0.0).xyz,
+                     textureLod(earth_winds, vec3(uv, 1.0), 0.0).xyz, space_winds.x);
+    vec3 there = into_point(p, vec3(dot(space_earth[0].xyz, blows), dot(space_earth[1].xyz, blows),
+                                    dot(space_earth[2].xyz, blows)));
+    vec2 to = mix(wind.xy * space_winds.y, there.xy, space_eye.z);
+    float speed = length(to);
+    const float SPEEDS = float(PEL_WIND_SPEEDS);
+    float at = (0.5 + min(speed / PEL_WIND_MOST, 1.0) * (SPEEDS - 1.0)) / SPEEDS;
+    vec3 rough = textureLod(sea_rough, vec2(at, 0.25), 0.0).rgb;
+    wind = vec4(speed > 1e-3 ? to / speed : wind.xy, max(rough.rg * space_winds.zw, vec2(1e-8)));
+    crests = vec4(textureLod(sea_rough, vec2(at, 0.75), 0.0).rg, scene_crests().zw);
+    return rough.b;
+}
+#endif
+
 struct surface_seen {
     lit parts;
     vec3 normal; // mean, in the point's frame
@@ -46,14 +71,24 @@ surface_seen sea_of(sampler2D map, vec3 dir, space_point p, float footprint)
     vec3 v = -into_point(p, dir);
     v = vec3(v.xy, max(v.z, 1e-4));
     const vec2 LEVEL = vec2(0.0);
+#if defined(PEL_METER) && defined(PEL_SPACE_WINDS)
+    float dense = wind_at(p);
+#endif
 #ifdef PEL_METER
     const vec3 n = vec3(0.0, 0.0, 1.0);
     vec3 n_lit = n, glint = vec3(0.0);
     vec2 variance_seen = wind.zw;
     vec4 pressed = NOT_PRESSED;
     float beside = 0.0;
-    vec2 foam = vec2(whitecaps.w, 1.0);
+#ifdef PEL_SPACE_WINDS
+    vec2 foam = vec2(dense, 1.0);
 #else
+    vec2 foam = vec2(whitecaps.w, 1.0);
+#endif
+#else
+#ifdef PEL_SPACE_WINDS
+    wind = scene_wind();
+#endif
     filtered f;
     f.slope = vec2(0.0);
     f.fold = vec4(0.0);
@@ -82,9 +117,19 @@ surface_seen sea_of(sampler2D map, vec3 dir, space_point p, float footprint)
     wake_shift wake = wake_at(p.x - wake_at(p.x, footprint).d.xy, footprint);
     add_wakes(wake, f);
 #endif
-    vec3 n = filtered_normal(f);
     vec2 variance = variance_left(footprint);
     vec2 variance_wide = variance_left(PEL_CELL_FOOTPRINT * footprint);
+#ifdef PEL_SPACE_WINDS
+    // The scene's waves as high as the wind there has them.
+    float dense = wind_at(p);
+    vec2 rougher = wind.zw / max(scene_wind().zw, vec2(1e-8));
+    variance *= rougher;
+    variance_wide *= rougher;
+    float higher = sqrt(0.5 * (rougher.x + rougher.y));
+    f.slope *= higher;
+    f.fold *= min(higher, 1.0);
+#endif
+    vec3 n = filtered_normal(f);
     vec2 variance_all = wind.zw;
 #ifdef PEL_AREAS
     variance_wide = area_variance(variance_wide, f.up);
@@ -108,6 +153,11 @@ surface_seen sea_of(sampler2D map, vec3 dir, space_point p, float footprint)
     // Beyond a hundred of their waves they average out.
     vec3 glint = blue.w > 0.0 && footprint < 100.0 * PEL_GLINT_LONGEST ? vec3(glint_slopes(dir, footprint), glint_share(footprint)) : vec3(0.0);
     vec2 foam = vec2(0.0, 1.0);
+#ifdef PEL_SPACE_WINDS
+    vec4 there = wind, crests_there = crests;
+    wind = scene_wind();
+    crests = scene_crests();
+#endif
 #ifdef PEL_FOAM
 #ifdef PEL_AREAS
     float up = f.up;
@@ -119,6 +169,13 @@ surface_seen sea_of(sampler2D map, vec3 dir, space_point p, float footprint)
 #else
     foam = foam_of(p.x, f.breaking, footprint, up, vec2(0.0));
 #endif
+#endif
+#ifdef PEL_SPACE_WINDS
+    // The scene's structure where there is about as much.
+    wind = there;
+    crests = crests_there;
+    float other = abs(dense - whitecaps.w) / max(max(dense, whitecaps.w), 1e-6);
+    foam = mix(foam, vec2(dense, 1.0), min(other, 1.0));
 #endif
 #ifdef PEL_WASH
     foam = foams_together(foam, wash_foam(p.x, f.washed.y, footprint));
@@ -133,7 +190,7 @@ surface_seen sea_of(sampler2D map, vec3 dir, space_point p, float footprint)
     leaving += light_of_bubbles(f.washed.z, LEVEL);
 #endif
     o.parts = sea_radiance(map, v, LEVEL, n_lit, variance_seen, leaving, glint, pressed, beside);
-#if defined(PEL_FOAM) || defined(PEL_WASH) || defined(PEL_METER)
+#if defined(PEL_FOAM) || defined(PEL_WASH) || defined(PEL_METER) || defined(PEL_SPACE_WINDS)
     cover_by_foam(foam, n_lit, LEVEL, o.parts);
 #endif
     o.normal = n;
@@ -230,15 +287,26 @@ shaded shade_space(ivec2 at, out float shows)
     float footprint = p.range / ray_length * pixel.x * pow(slant, -PEL_FOOTPRINT_ALONG);
     surface_seen seen_ = sea_of(reflection_map, dir, p, footprint);
 #ifdef PEL_SPACE_CLOUDS
-    vec4 clouds = space_clouds(p, -into_point(p, dir), footprint);
-    seen_.parts.sun *= clouds.a;
-    seen_.parts.sky = seen_.parts.sky * clouds.a + clouds.rgb;
-    seen_.parts.water *= clouds.a;
-    seen_.land *= clouds.a;
+    space_layer clouds = space_clouds(p, -into_point(p, dir), footprint);
+    float open = clouds.seen.a;
+    seen_.parts.sun *= open * clouds.beam;
+    seen_.parts.sky *= open;
+    seen_.parts.water *= open * clouds.light;
+    seen_.land *= open;
 #endif
     vec3 through;
     vec3 air = space_air(s, through);
+#ifdef PEL_SPACE_CLOUDS
+    // Clouds hide the air below them.
+    vec3 to_clouds = pow(through, air_above_clouds(eye.x));
+    vec3 before = air * (1.0 - to_clouds) / max(1.0 - through, vec3(1e-4));
+    air *= air_below_clouds(eye.x);
+#endif
     through = sprayed(air, through, p.range);
+#ifdef PEL_SPACE_CLOUDS
+    air = mix(before, air, open);
+    seen_.parts.sky += clouds.seen.rgb * to_clouds / max(through, vec3(1e-6));
+#endif
     lit parts = seen_.parts;
     shaded result = only_light((parts.sun + parts.sky + parts.water) * through + air);
     shows = seen_.land > 0.5 ? PEL_SHOWS_LAND : PEL_SHOWS_SEA;
