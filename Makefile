@@ -52,8 +52,11 @@ NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2 \
     hyparquet@1.33.0 parquet-wasm@0.8.0 apache-arrow@21.2.0
 # Of the same, embedded in the page and loaded when its sea-state card is
 # opened. A tarball of `make dist` brings it along.
-PAGE_PACKAGES := uplot@1.6.32
-UPLOT ?= $(firstword $(wildcard third-party/uplot) build/npm-page/node_modules/uplot)
+PAGE_PACKAGES := uplot@1.6.32 hls.js@1.6.15
+THIRD ?= $(firstword $(wildcard third-party) build/npm-page/node_modules)
+# As the page calls them, and where they lie in THIRD.
+EMBEDDED := uplot.js=uplot/dist/uPlot.iife.min.js uplot.css=uplot/dist/uPlot.min.css \
+    uplot.txt=uplot/LICENSE hls.js=hls.js/dist/hls.light.min.js hls.txt=hls.js/LICENSE
 
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd \
     libprotobuf-c libmodbus libjpeg libturbojpeg spng OpenEXR libsystemd openssl libcurl \
@@ -329,18 +332,17 @@ $(O)/gen/openapi.json: proto/openapi.py proto/fields.py proto/deffile.py \
 	@echo "  GEN   $@"
 	$(Q)/usr/bin/python3 proto/openapi.py proto/pelagos.proto $(VERSION) $@
 
-# Which uPlot there is, or none.
-$(O)/gen/uplot: FORCE
+# Which of them there are.
+$(O)/gen/embedded: FORCE
 	$(Q)mkdir -p $(@D)
-	$(Q)packaging/uplot.sh $(UPLOT) $@
+	$(Q)packaging/embedded.sh $(THIRD) $@ $(EMBEDDED)
 
 $(O)/gen/pages.c: clients/web/embed.py proto/pelagos.proto $(O)/gen/openapi.json $(PAGES) \
-    $(O)/gen/uplot
+    $(O)/gen/embedded
 	$(Q)mkdir -p $(@D)
 	@echo "  GEN   $@"
 	$(Q)/usr/bin/python3 clients/web/embed.py $@ proto/pelagos.proto $(O)/gen/openapi.json $(PAGES) \
-	    $$(grep -q none $(O)/gen/uplot || echo uplot.js=$(UPLOT)/dist/uPlot.iife.min.js \
-	    uplot.css=$(UPLOT)/dist/uPlot.min.css uplot.txt=$(UPLOT)/LICENSE)
+	    $$(cut -d' ' -f1 $(O)/gen/embedded)
 
 $(O)/gen/shaders.c: shaders/embed.py $(SHADERS)
 	$(Q)mkdir -p $(@D)
@@ -850,10 +852,10 @@ DIST := build/dist
 TARBALL := $(DIST)/pelagos-$(VERSION).tar.xz
 
 .PHONY: dist dist-check
-dist: deps-page ## the committed sources, and uPlot, as a tarball: build/dist/
+dist: deps-page ## the committed sources, and what the page embeds, as a tarball: build/dist/
 	$(Q)mkdir -p $(DIST)
 	$(Q)git archive --format=tar \
-	    $(foreach f,$(shell ls $(UPLOT)/LICENSE $(UPLOT)/dist/uPlot.iife.min.js $(UPLOT)/dist/uPlot.min.css 2>/dev/null),--prefix=pelagos-$(VERSION)/third-party/uplot$(patsubst $(UPLOT)%,%,$(dir $(f))) --add-file=$(f)) \
+	    $(foreach f,$(wildcard $(addprefix $(THIRD)/,$(foreach e,$(EMBEDDED),$(lastword $(subst =, ,$(e)))))),--prefix=pelagos-$(VERSION)/third-party$(patsubst $(THIRD)%,%,$(dir $(f))) --add-file=$(f)) \
 	    --prefix=pelagos-$(VERSION)/ HEAD | xz -T0 >$(TARBALL)
 	@ls -l $(TARBALL)
 dist-check: dist deps-build ## unpack the tarball elsewhere, build and install it there
@@ -868,7 +870,7 @@ DEB := build/deb
 .PHONY: deb
 deb: deps-build ## Debian packages of the committed sources: build/deb/
 	$(Q)packaging/deps.sh $(DEB_PACKAGES) $(SITE_PACKAGES)
-	$(Q)packaging/deb.sh $(DEB) '$(BUILD_PACKAGES)' '$(SITE_PACKAGES)' $(UPLOT)
+	$(Q)packaging/deb.sh $(DEB) '$(BUILD_PACKAGES)' '$(SITE_PACKAGES)' $(THIRD) $(EMBEDDED)
 
 .PHONY: deb-check
 deb-check: deps deb ## lintian, install, the unit under systemd, purge: of what `make deb` built

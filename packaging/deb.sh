@@ -1,8 +1,9 @@
 #!/bin/bash
-# deb.sh OUT BUILD_PACKAGES SITE_PACKAGES UPLOT: Debian packages into the folder
-# OUT, built in OUT/pelagos-VERSION, whose objects are kept for the next time. The
-# sources are those of the commit, with what the page embeds from UPLOT. The changelog is made of VERSION and of
-# CHANGELOG.md; DEBFULLNAME and DEBEMAIL sign it.
+# deb.sh OUT BUILD_PACKAGES SITE_PACKAGES THIRD EMBEDDED...: Debian packages into
+# the folder OUT, built in OUT/pelagos-VERSION, whose objects are kept for the next
+# time. The sources are those of the commit, with what the page embeds (NAME=FILE)
+# from the folder THIRD. The changelog is made of VERSION and of CHANGELOG.md;
+# DEBFULLNAME and DEBEMAIL sign it.
 #
 # PELAGOS_AS_BUILT=1, for tests: the files as they lie here, the programs as
 # they lie in build/release, and no package of debug symbols.
@@ -34,12 +35,20 @@ else
         [ ! -f "$file" ] || printf '%s\0' "$file"
     done | tar -c --null -T - | tar -x -C "$fresh"
 fi
-third=$fresh/third-party/uplot
-if [ -f "$4/dist/uPlot.iife.min.js" ]; then
-    mkdir -p "$third/dist"
-    cp -p "$4/LICENSE" "$third"
-    cp -p "$4"/dist/uPlot.iife*.js "$4/dist/uPlot.min.css" "$third/dist"
-fi
+from=$4
+third=$fresh/third-party
+for each in "${@:5}"; do
+    file=${each#*=}
+    if [ -f "$from/$file" ]; then
+        mkdir -p "$third/$(dirname "$file")"
+        cp -p "$from/$file" "$third/$file"
+    fi
+done
+# What Debian calls sources without sources: the scripts as they were written.
+for file in uplot/dist/uPlot.iife.js hls.js/dist/hls.light.js; do
+    [ ! -d "$third/${file%%/*}" ] || [ ! -f "$from/$file" ] ||
+        cp -p "$from/$file" "$third/$file"
+done
 mkdir -p "$fresh/debian"
 cp -R packaging/debian/. "$fresh/debian"
 
@@ -61,14 +70,19 @@ packages = [[p for p in names.split() if p not in ("gcc", "libc6-dev", "make")]
             for names in (build, site)]
 licence = open("LICENSE").read().split("\n\n", 2)[2].strip().split("\n")
 text = open(template).read().replace("@ABI@", abi)
-try:  # what the page embeds, under the same licence
-    words = open(third + "/LICENSE").read()
+embedded = ""
+for package, terms in (("uplot", "MIT"), ("hls.js", "Apache-2.0")):
+    try:  # what the page embeds
+        words = open(f"{third}/{package}/LICENSE").read()
+    except FileNotFoundError:
+        continue
     owner = next(line for line in words.split("\n") if "Copyright" in line)
-    uplot = ("\nFiles: third-party/uplot/*\nCopyright:" +
-             owner.split("(c)")[1] + "\nLicense: MIT\n")
-except FileNotFoundError:
-    uplot = ""
-text = text.replace("@UPLOT@\n", uplot)
+    embedded += (f"\nFiles: third-party/{package}/*\nCopyright:" +
+                 owner.split("(c)")[1] + f"\nLicense: {terms}\n")
+    if terms == "Apache-2.0":
+        embedded += (" On Debian systems the text of this licence is in\n"
+                     " /usr/share/common-licenses/Apache-2.0.\n")
+text = text.replace("@EMBEDDED@\n", embedded)
 for name, names in zip(("BUILD", "SITE"), packages):
     need = " <!nodoc>" if name == "SITE" else ""
     text = text.replace(f"@{name}_PACKAGES@",

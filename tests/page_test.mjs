@@ -93,6 +93,45 @@ describe("pictures", () => {
     await shot("fallback");
   });
 
+  test("fall back to HLS where live streams do not come through", async () => {
+    await open(daemon.url, { init: () => {
+      const Plain = window.WebSocket;
+      window.WebSocket = class extends Plain {
+        constructor(url, ...more) {
+          super(String(url).replace("/live", "/nothing"), ...more);
+        }
+      };
+      const plain = window.fetch;
+      window.fetch = (at, ...more) => plain(String(at).endsWith("/mjpeg")
+        ? "/v1/views/bridge/live" : at, ...more).then((answer) =>
+        String(at).endsWith("/mjpeg")
+          ? new Response("", { status: 403 }) : answer);
+    } });
+    await until("the way", async () =>
+      await page.locator(".tile").getAttribute("data-way") === "hls");
+    assert.equal(await text(".why"),
+      "HLS: live streams are refused here (HTTP 403)");
+    const at = () => page.evaluate(() =>
+      document.querySelector("video.picture").currentTime);
+    await until("it plays", async () => await at() > 0);
+    const before = await at();
+    await until("it goes on", async () => await at() > before + 1);
+    await until("rate and latency", async () =>
+      /[\d.]+ fps\d+ ms0 droppedHLS$/.test(await text(".rate")));
+    const seen = await page.evaluate(() => {
+      const video = document.querySelector("video.picture");
+      const canvas = document.createElement("canvas");
+      canvas.width = canvas.height = 16;
+      const context = canvas.getContext("2d");
+      context.drawImage(video, 0, 0, 16, 16);
+      const { data } = context.getImageData(0, 0, 16, 16);
+      return Math.max(...data.filter((_, i) => i % 4 !== 3));
+    });
+    assert.ok(seen > 20, `its brightest is ${seen}`);
+    console.log(`HLS: ${await text(".rate")}`);
+    await shot("hls");
+  });
+
   test("fall back where the server has no encoder", async () => {
     const empty = folder();
     const bare = await Daemon.start([], 0, {

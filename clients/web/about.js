@@ -16,6 +16,8 @@ export async function showAbout() {
         <a href="/v1/openapi.json">/v1/openapi.json</a>.</p>
       <div id="about-plots" hidden><p>Diagrams are drawn by uPlot:</p>
         <pre id="about-licence" tabindex="0"></pre></div>
+      <div id="about-hls" hidden><p>HTTP Live Streaming is played by hls.js:</p>
+        <pre id="about-hls-licence" tabindex="0"></pre></div>
       <p class="tools-row">
         <button class="button" type="button" id="about-tour">Show the
           introduction again</button>
@@ -30,12 +32,15 @@ export async function showAbout() {
     });
   }
   dialog.showModal();
-  const [health, licence] = await Promise.all([fetch("/healthz"),
-    fetch("/uplot.txt")]);
+  const [health, plots, hls] = await Promise.all([fetch("/healthz"),
+    fetch("/uplot.txt"), fetch("/hls.txt")]);
   const { version } = health.ok ? await health.json() : {};
   dialog.querySelector("#about-version").textContent = version
     ? `Version ${version}.` : "";
-  dialog.querySelector("#about-plots").hidden = !licence.ok;
-  dialog.querySelector("#about-licence").textContent = licence.ok
-    ? await licence.text() : "";
+  for (const [box, text, licence] of [["#about-plots", "#about-licence", plots],
+    ["#about-hls", "#about-hls-licence", hls]]) {
+    dialog.querySelector(box).hidden = !licence.ok;
+    dialog.querySelector(text).textContent = licence.ok
+      ? await licence.text() : "";
+  }
 }

@@ -1,8 +1,12 @@
 // One view's pictures, the best way that browser and server agree on: H.264 by
-// WebCodecs, or Motion-JPEG and the reason for it.
+// WebCodecs; or Motion-JPEG; or, where live streams do not come through (an edge,
+// no place left), HTTP Live Streaming. And the reason why it is not the first.
 
+import { Broadcast, playsBroadcast } from "/broadcast.js";
 import { Live } from "/stream.js";
 import { noVideo, Video } from "/video.js";
+
+const TITLES = { webcodecs: "H.264", mjpeg: "Motion-JPEG", hls: "HLS" };
 
 export class Player {
   // `told` as in stream.js; `changed()` when the way has changed.
@@ -12,27 +16,43 @@ export class Player {
     this.image = image;
     this.changed = changed;
     this.why = noVideo;
-    this.jpeg = new Live(name, image, told, place);
-    this.video = noVideo ? null : new Video(name, canvas, told, (why) => {
-      this.why = why;
-      this.arrange();
-      this.jpeg.start();
-      changed();
-    }, place);
+    const next = (way) => (why) => this.fall(way, why);
+    this.ways = {
+      webcodecs: noVideo ? null
+        : new Video(name, canvas, told, next("mjpeg"), place),
+      mjpeg: new Live(name, image, told,
+        playsBroadcast && place === "/v1" ? next("hls") : null, place),
+    };
+    this.broadcast = () => new Broadcast(name, canvas, told, place);
+    this.way = noVideo ? "mjpeg" : "webcodecs";
     this.arrange();
   }
 
-  get way() {
-    return this.why ? "mjpeg" : "webcodecs";
+  // The way that was taken does not work here.
+  fall(way, why) {
+    this.current.stop();
+    this.ways[way] ??= this.broadcast();
+    this.way = way;
+    this.why = why;
+    this.arrange();
+    this.current.start();
+    this.changed();
+  }
+
+  get title() {
+    return TITLES[this.way];
   }
 
   get current() {
-    return this.why ? this.jpeg : this.video;
+    return this.ways[this.way];
   }
 
   arrange() {
-    this.canvas.hidden = this.why !== "";
-    this.image.hidden = this.why === "";
+    this.canvas.hidden = this.way !== "webcodecs";
+    this.image.hidden = this.way !== "mjpeg";
+    if (this.ways.hls) {
+      this.ways.hls.video.hidden = this.way !== "hls";
+    }
   }
 
   get running() {
@@ -63,10 +83,10 @@ export class Player {
 
   // A single picture, for views beyond the number of streams.
   once() {
-    if (!this.why) {
+    if (this.way === "webcodecs") {
       this.canvas.hidden = true;
       this.image.hidden = false;
     }
-    return this.jpeg.once();
+    return this.ways.mjpeg.once();
   }
 }

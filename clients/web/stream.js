@@ -7,6 +7,8 @@ import { headers } from "/api.js";
 
 const RETRY_MS = 1000;
 const RATE_WINDOW_MS = 3000;
+// Not this way, whatever the patience: forbidden, unknown, no place left.
+const REFUSALS = [403, 405, 429];
 
 // Bytes of a stream, taken a header or a body at a time.
 class Parts {
@@ -92,12 +94,14 @@ async function show(image, blob) {
 
 export class Live {
   // `told` is called after each picture with {number, time, drawn, stale, host}
-  // and after the stream broke with null.
-  constructor(name, image, told, place = "/v1") {
+  // and after the stream broke with null; `failed(why)` (null: none) where a
+  // server that is there refuses it.
+  constructor(name, image, told, failed, place = "/v1") {
     this.name = name;
     this.place = place;
     this.image = image;
     this.told = told;
+    this.failed = failed;
     this.stamps = [];
     this.latencies = [];
     this.missed = 0;
@@ -139,9 +143,12 @@ export class Live {
     while (!signal.aborted) {
       try {
         await this.read(signal);
-      } catch {
+      } catch (error) {
         if (!signal.aborted) {
           this.told(null);
+          if (this.failed && REFUSALS.includes(error.status)) {
+            this.failed(`live streams are refused here (${error.message})`);
+          }
         }
       }
       await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
@@ -153,7 +160,8 @@ export class Live {
       `${this.place}/views/${encodeURIComponent(this.name)}/mjpeg`,
       { signal, cache: "no-store", headers: headers() });
     if (!response.ok) {
-      throw new Error(`HTTP ${response.status}`);
+      throw Object.assign(new Error(`HTTP ${response.status}`),
+        { status: response.status });
     }
     // Its clock minus ours, by less than the time that the answer took.
     const clockMs = 1000 * Number(response.headers.get("X-Pelagos-Unix")) -

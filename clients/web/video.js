@@ -9,6 +9,7 @@ const RETRY_MS = 1000;
 const RATE_WINDOW_MS = 3000;
 const CLOCK_MS = 5000;
 const MAX_ERRORS = 3;
+const MAX_REFUSED = 2; // sockets that a server that is well did not open
 const VERSION = 1;
 const H264 = 1;
 
@@ -56,6 +57,7 @@ export class Video {
     this.latencies = [];
     this.missed = 0;
     this.errors = 0;
+    this.refused = 0;
     this.clockMs = 0; // server's clock minus ours
   }
 
@@ -113,6 +115,7 @@ export class Video {
       }
     };
     socket.onopen = () => {
+      this.refused = -1; // never any more
       this.askTime();
       this.clock = setInterval(() => this.askTime(), CLOCK_MS);
     };
@@ -129,6 +132,19 @@ export class Video {
     this.told(null);
     if (this.wanted) {
       this.retry = setTimeout(() => this.connect(), RETRY_MS);
+      if (this.refused >= 0) {
+        this.askWhy();
+      }
+    }
+  }
+
+  // Nothing says why a socket was not opened: the server may be away.
+  async askWhy() {
+    const well = await fetch("/healthz", { cache: "no-store" })
+      .then((answer) => answer.ok, () => false);
+    this.refused += well && this.refused >= 0;
+    if (this.wanted && this.refused >= MAX_REFUSED) {
+      this.giveUp("no WebSocket comes through to the server");
     }
   }
 

@@ -11,7 +11,7 @@ import { Pose, Track } from "/pose.js";
 
 // A browser opens six HTTP connections to one host: four for streams, one for
 // single pictures in turn, one for everything else. WebSockets do not count.
-const STREAMS = { mjpeg: 4, webcodecs: MOST_VIDEOS };
+const STREAMS = { mjpeg: 4, webcodecs: MOST_VIDEOS, hls: 4 };
 const TURN_MS = 150;
 const PHONE_PX = 992;
 const GAP_PX = 14;
@@ -139,7 +139,7 @@ class Tile {
   showWay() {
     this.node.dataset.way = this.live.way;
     this.why.hidden = this.live.why === "";
-    this.why.textContent = `Motion-JPEG: ${this.live.why}`;
+    this.why.textContent = `${this.live.title}: ${this.live.why}`;
   }
 
   told(frame) {
@@ -178,7 +178,7 @@ class Tile {
     ms.textContent =
       `${latencyMs === undefined ? "–" : latencyMs.toFixed(0)} ms`;
     dropped.textContent = `${missed} dropped`;
-    way.textContent = this.live.why ? "Motion-JPEG" : "H.264";
+    way.textContent = this.live.title;
     return rate;
   }
 
@@ -385,7 +385,7 @@ export class Views {
 
   arrange() {
     const up = this.up && !document.hidden;
-    const streams = { mjpeg: 0, webcodecs: 0 };
+    const streams = { mjpeg: 0, webcodecs: 0, hls: 0 };
     const full = [...this.tiles.values()].find((tile) => tile.isFull);
     for (const tile of this.tiles.values()) {
       const way = tile.live.way;

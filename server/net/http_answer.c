@@ -98,7 +98,8 @@ enum MHD_Result pel_http_send(struct client *client,
     }
     if (answer->page) {
         add(response, "Content-Security-Policy",
-            "default-src 'self'; img-src 'self' blob:; base-uri 'none'; "
+            "default-src 'self'; img-src 'self' blob:; media-src 'self' blob:; "
+            "base-uri 'none'; "
             "form-action 'none'; frame-ancestors 'none'");
     }
     if (answer->allow) {

@@ -57,7 +57,7 @@ if [ -z "$debs" ]; then
     done
     PELAGOS_AS_BUILT=1 PELAGOS_DEV=$dev DEB_BUILD_PROFILES=nodoc \
         packaging/deb.sh "$debs" "$(words BUILD_PACKAGES)" \
-        "$(words SITE_PACKAGES)" "$(words UPLOT)" >/dev/null || fail "no packages"
+        "$(words SITE_PACKAGES)" "$(words THIRD)" $(words EMBEDDED) >/dev/null || fail "no packages"
     grep -E '^  (CC|LINK) ' "$debs/build.log" && fail "something was built anew"
 fi
 debs=$(cd "$debs" && pwd)
