@@ -38,7 +38,7 @@ TEST_PACKAGES := gmt-gshhg-low gstreamer1.0-tools glib-networking gdal-bin gpsd-
     python3-wheel openexr chromium \
     slurm-wlm munge nginx-light haproxy openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
-    tshark iproute2 nftables etcd-server etcd-client $(SITE_PACKAGES) $(DEB_PACKAGES) \
+    tshark python3-yaml iproute2 nftables etcd-server etcd-client $(SITE_PACKAGES) $(DEB_PACKAGES) \
     python3-nbclient python3-ipykernel python3-matplotlib \
     colcon python3-colcon-ros python3-ament-package python3-genmsg python3-nav-msgs \
     python3-rosgraph-msgs python3-sensor-msgs python3-tf2-msgs

@@ -6,15 +6,14 @@ import hashlib
 import http.client
 import json
 import os
-import re
 import shutil
-import signal
+import ssl
 import subprocess
 import tempfile
 import threading
 import time
 
-from pelagos_daemon import BIN, Daemon, free_port, schema, until
+from pelagos_daemon import Daemon, free_port, schema, until
 
 VIEW = {"entity": 1, "width": 64, "height": 36}
 
@@ -30,14 +29,17 @@ def has_etcd():
 class Member:
     """An etcd on its own address; may be killed and started again."""
 
-    def __init__(self, name, host, client, peer, folder, prefix=()):
+    def __init__(self, name, host, client, peer, folder, prefix=(),
+                 tls=None):
         self.name, self.host, self.client = name, host, client
+        self.tls = tls  # folder of ca, member's and client's PEM files
         self.peer, self.folder, self.prefix = peer, folder, list(prefix)
         self.process = None
 
     @property
     def url(self):
-        return f"http://{self.host}:{self.client}"
+        scheme = "https" if self.tls else "http"
+        return f"{scheme}://{self.host}:{self.client}"
 
     def start(self, peers, new=True):
         mine = f"http://{self.host}:{self.peer}"
@@ -55,12 +57,23 @@ class Member:
                     "--initial-cluster-state", "new" if new else "existing",
                     "--heartbeat-interval", "30", "--election-timeout", "300",
                     "--auto-compaction-mode", "revision",
-                    "--auto-compaction-retention", "10000"],
+                    "--auto-compaction-retention", "10000"] + (
+                        ["--client-cert-auth", "--trusted-ca-file",
+                         self.tls + "/ca.pem", "--cert-file",
+                         self.tls + "/member.pem", "--key-file",
+                         self.tls + "/member.key"] if self.tls else []),
                 stdout=log, stderr=log, stdin=subprocess.DEVNULL)
 
     def post(self, path, body, timeout=5):
-        connection = http.client.HTTPConnection(self.host, self.client,
-                                                timeout=timeout)
+        if self.tls:
+            trust = ssl.create_default_context(cafile=self.tls + "/ca.pem")
+            trust.load_cert_chain(self.tls + "/node.pem",
+                                  self.tls + "/node.key")
+            connection = http.client.HTTPSConnection(
+                self.host, self.client, timeout=timeout, context=trust)
+        else:
+            connection = http.client.HTTPConnection(self.host, self.client,
+                                                    timeout=timeout)
         with contextlib.closing(connection):
             connection.request("POST", path, json.dumps(body))
             answer = connection.getresponse()
@@ -82,13 +95,35 @@ class Member:
             self.process.wait()
 
 
+def certificates(folder):
+    """An authority, a member's certificate and a node's."""
+    def openssl(*words):
+        subprocess.run(["openssl", *words], check=True, cwd=folder,
+                       capture_output=True)
+    key = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes")
+    openssl("req", "-x509", *key, "-keyout", "ca.key", "-out", "ca.pem",
+            "-subj", "/CN=authority", "-days", "2")
+    for name in ("member", "node"):
+        openssl("req", *key, "-keyout", f"{name}.key", "-out", f"{name}.csr",
+                "-subj", f"/CN={name}")
+        with open(os.path.join(folder, "ext"), "w") as f:
+            f.write("subjectAltName=IP:127.0.0.1\n"
+                    "extendedKeyUsage=serverAuth,clientAuth\n")
+        openssl("x509", "-req", "-in", f"{name}.csr", "-CA", "ca.pem",
+                "-CAkey", "ca.key", "-CAcreateserial", "-days", "2",
+                "-extfile", "ext", "-out", f"{name}.pem")
+
+
 class Store:
     """One or three members on loopback, or given ones."""
 
-    def __init__(self, count=1, members=None):
+    def __init__(self, count=1, members=None, tls=False):
         self.folder = tempfile.mkdtemp(prefix="pelagos-etcd-")
+        if tls:
+            certificates(self.folder)
         self.members = members or [
-            Member(f"s{i}", "127.0.0.1", free_port(), free_port(), self.folder)
+            Member(f"s{i}", "127.0.0.1", free_port(), free_port(), self.folder,
+                   tls=self.folder if tls else None)
             for i in range(count)]
         for member in self.members:
             member.folder = self.folder
@@ -128,8 +163,6 @@ class Log(threading.Thread):
         self.from_revision = from_revision
         self.pb = schema()
         self.frames = []  # (version, SealedFrame, when it was heard)
-        self.fault = None
-        self.ending = False
         self.process = None
         self.start()
 
@@ -151,7 +184,6 @@ class Log(threading.Thread):
                                     time.monotonic()))
 
     def stop(self):
-        self.ending = True
         if self.process:
             self.process.kill()
             self.process.wait()

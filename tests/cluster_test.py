@@ -1,13 +1,18 @@
 #!/usr/bin/python3
 """One exercise on several nodes, the short form: one etcd, three daemons on
 this machine. What takes minutes, losses and namespaces is tests/cluster/."""
+import base64
 import os
+import shutil
+import subprocess
 import sys
 import time
 import unittest
 
+import yaml
+
 import cluster_case as case
-from pelagos_daemon import Daemon, until
+from pelagos_daemon import BIN, ROOT, Daemon, until
 
 PNG = "/v1/views/bridge/frame.png?width=64&height=36"
 
@@ -81,6 +86,30 @@ class Cluster(unittest.TestCase):
             self.assertEqual(status["pelagos_cluster_differences_total"], 0)
             self.assertEqual(status["pelagos_cluster_gaps_total"], 0)
         self.log.check()
+
+    def test_1_who_is_there(self):
+        """By HTTP and by pelagosctl: the nodes, alike, none silent; and the
+        digest that each says is the seal's."""
+        node = self.followers()[0]
+        def all_said():
+            nodes = node.cluster()["nodes"]
+            return len(nodes) == 2 and not any(
+                n["silent"] for n in nodes) and nodes
+        for said in until("all nodes say something", all_said):
+            self.assertTrue(said["alike"], said)
+            until("the log tells it",
+                  lambda n=int(said["frame"]): self.log.last() >= n)
+            seals = {n: f.seal.digest for n, f, _ in self.log.frames}
+            if int(said["frame"]) > 0:
+                self.assertEqual(base64.b64decode(said["digest"]),
+                                 seals[int(said["frame"])][:8])
+        done = subprocess.run(
+            [os.path.join(BIN, "pelagosctl"), "--server",
+             f"tcp:127.0.0.1:{node.tcp_port}", "cluster"],
+            capture_output=True, text=True, check=True)
+        self.assertRegex(done.stdout, r"(?m)^a +(master|follower) ")
+        self.assertRegex(done.stdout, r"(?m)^b +(master|follower) ")
+        self.assertNotIn("bit-equal", done.stdout)
 
     def test_2_edits_go_to_the_master(self):
         follower = self.followers()[0]
@@ -166,6 +195,73 @@ class Cluster(unittest.TestCase):
             Daemon("--exercise", self.store.url(), "--state", "/tmp/x")
         with self.assertRaisesRegex(RuntimeError, "the exercise's name"):
             Daemon("--exercise", "http://127.0.0.1:1")
+
+    def test_8_only_with_a_certificate(self):
+        """etcd asks nodes for a certificate, and they see to its own."""
+        store = case.Store(tls=True)
+        self.addCleanup(store.stop)
+        folder = store.folder
+        options = ["--exercise-ca", folder + "/ca.pem"]
+        with case.Node("stranger", store, *options) as stranger:
+            until("etcd refuses it", lambda: "CLU-001" in stranger.log())
+            self.assertEqual(stranger.cluster()["role"], "JOINING")
+        mine = ["--exercise-cert", folder + "/node.pem", "--exercise-key",
+                folder + "/node.key"]
+        with case.Node("credulous", store, *mine) as credulous:
+            until("it does not trust etcd",
+                  lambda: "CLU-001" in credulous.log())
+            self.assertEqual(credulous.cluster()["role"], "JOINING")
+        with case.Node("known", store, *mine, *options) as known:
+            until("it begins the exercise", known.is_master)
+            self.assertEqual(known.patch({"sea": {"windSpeed": 4}}).status,
+                             200)
+
+    def test_9_what_is_packed(self):
+        """The unit is one of systemd's, the commands of the compose file are
+        pelagosd's, and etcd's intervals are those of the tests."""
+        folder = os.path.join(ROOT, "packaging/cluster")
+        if shutil.which("systemd-analyze"):
+            done = subprocess.run(
+                ["systemd-analyze", "verify",
+                 os.path.join(folder, "pelagos-etcd.service")],
+                capture_output=True, text=True, check=False)
+            self.assertEqual([line for line in done.stderr.splitlines()
+                              if "pelagos-etcd.service:" in line], [])
+        with open(os.path.join(folder, "compose.yml")) as f:
+            services = yaml.safe_load(f)["services"]
+        self.assertEqual(sorted(services), ["n1", "n2", "s1", "s2", "s3"])
+        for name in ("n1", "n2"):
+            words = services[name]["command"].split()
+            done = subprocess.run(
+                [os.path.join(BIN, "pelagosd"), *words, "--check"],
+                capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        with open(os.path.join(folder, "etcd.env")) as f:
+            given = dict(line.strip().split("=", 1) for line in f
+                         if line.startswith("ETCD_"))
+        for words in (services["s1"]["command"].split(),
+                      self.store.members[0].process.args):
+            for option in ("heartbeat-interval", "election-timeout",
+                           "auto-compaction-mode", "auto-compaction-retention"):
+                self.assertEqual(
+                    words[words.index("--" + option) + 1],
+                    given["ETCD_" + option.upper().replace("-", "_")])
+
+    def test_a_others_than_these(self):
+        """Another number of waves is not admitted; one whose pictures are
+        others takes part, and that is told."""
+        with case.Node("more", self.store, "--waves", "80") as more:
+            until("it is not admitted", lambda: "CLU-005" in more.log())
+            self.assertEqual(more.cluster()["role"], "JOINING")
+        os.environ["PELAGOS_REFLECTION"] = "paper"
+        try:
+            other = self.begin("other")
+        finally:
+            del os.environ["PELAGOS_REFLECTION"]
+        until("it says that it is another", lambda: any(
+            n["name"] == "other" and not n["alike"]
+            for n in self.master().cluster()["nodes"]))
+        other.stop()
 
 
 if __name__ == "__main__":

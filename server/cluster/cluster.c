@@ -192,7 +192,6 @@ enum pel_err pel_cluster_create(const struct pel_cluster_options *options,
     pel_cluster_lead(c);
     c->time_s = pel_scene_time(scene);
     c->snapshot = pel_scene_snapshot_at(scene, c->time_s);
-    pel_cluster_show(c, true, 0);
     c->tick = pel_alarm_create(g_main_context_default(), "cluster", on_tick, c);
     c->next_tick_ns = c->sealed_ns = pel_now_ns();
     g_source_set_ready_time(c->tick, c->next_tick_ns / 1000);
@@ -200,7 +199,7 @@ enum pel_err pel_cluster_create(const struct pel_cluster_options *options,
     c->second = g_timeout_add_seconds(1, on_second, c);
     pel_info("CLU-002", "node %s looks for the exercise at %s", c->name,
              options->url);
-    pel_cluster_join(c);
+    pel_cluster_draw_canary(c);
     *out = c;
     return PEL_OK;
 }
@@ -210,11 +209,14 @@ void pel_cluster_destroy(struct pel_cluster *c)
     if (!c) {
         return;
     }
-    guint timers[] = { c->patience, c->second, c->retry };
+    guint timers[] = { c->patience, c->second, c->retry, c->settled };
     for (size_t i = 0; i < G_N_ELEMENTS(timers); i++) {
         if (timers[i]) {
             g_source_remove(timers[i]);
         }
+    }
+    if (c->canary_id) {
+        pel_frames_cancel(c->frames, c->canary_id);
     }
     if (c->tick) {
         g_source_destroy(c->tick);

@@ -23,6 +23,9 @@ struct pel_cluster {
     Pelagos__ClusterRole role;
     Pelagos__ClusterMaster *master; /* who is, as far as known; NULL: nobody */
     bool alike;                     /* our pictures are the head's to the bit */
+    uint8_t canary[PEL_DIGEST_SIZE]; /* of the picture that each node draws */
+    uint64_t canary_id;              /* of the request; 0: none */
+    guint settled;                   /* idle source, after that */
     bool asking;    /* the store, for something that decides who we are */
     bool following; /* the state is that of frame `number` of the log */
     bool strayed;
@@ -86,6 +89,9 @@ void pel_cluster_advance(struct pel_cluster *c, uint64_t number,
                          const struct pel_snapshot *snapshot, double time_s,
                          uint64_t present_unix_ns, uint32_t host_frame,
                          const uint8_t digest[PEL_DIGEST_SIZE]);
+
+/* canary.c: draws that picture, and then joins. */
+void pel_cluster_draw_canary(struct pel_cluster *c);
 
 /* follower.c */
 /* Begins anew with what the store has. */

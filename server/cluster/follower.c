@@ -127,7 +127,10 @@ static void looked(void *user, bool yes, uint64_t revision,
     pel_cluster_advance(c, view->head->number,
                         pel_scene_snapshot_at(c->scene, time_s), time_s,
                         (uint64_t)pel_unix_ns(), 0, digest);
-    c->alike = g_strcmp0(view->head->device, pel_frames_device(c->frames)) == 0;
+    c->alike =
+        g_strcmp0(view->head->device, pel_frames_device(c->frames)) == 0 &&
+        view->head->canary.len == PEL_DIGEST_SIZE &&
+        memcmp(view->head->canary.data, c->canary, PEL_DIGEST_SIZE) == 0;
     c->goal = view->number;
     c->following = true;
     pel_seals_follow(c->seals, view->head_revision);

@@ -1,4 +1,5 @@
 /* The node that takes the inputs. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
@@ -23,6 +24,12 @@ Pelagos__ClusterHead *pel_cluster_head(struct pel_cluster *c, uint64_t number,
     head->has_waves = true;
     head->waves = (uint32_t)c->options.wave_count;
     head->device = strdup(pel_frames_device(c->frames));
+    head->has_canary = true;
+    head->canary.data = malloc(PEL_DIGEST_SIZE);
+    head->canary.len = head->canary.data ? PEL_DIGEST_SIZE : 0;
+    if (head->canary.data) {
+        memcpy(head->canary.data, c->canary, PEL_DIGEST_SIZE);
+    }
     return head;
 }
 
