@@ -144,6 +144,10 @@ class Store:
             member.stop()
         shutil.rmtree(self.folder, ignore_errors=True)
 
+    def put(self, key, value):
+        self.members[0].post("/v3/kv/put", {
+            "key": b64(key), "value": base64.b64encode(value).decode()})
+
     def get(self, key):
         """The value of a key, by any member that answers."""
         for member in self.members:

@@ -258,10 +258,31 @@ class Cluster(unittest.TestCase):
             other = self.begin("other")
         finally:
             del os.environ["PELAGOS_REFLECTION"]
-        until("it says that it is another", lambda: any(
-            n["name"] == "other" and not n["alike"]
-            for n in self.master().cluster()["nodes"]))
+        said = until("it says what it is", lambda: next(
+            (n for n in self.master().cluster()["nodes"]
+             if n["name"] == "other" and n["role"] == "FOLLOWER"), None))
+        self.assertFalse(said["alike"])
         other.stop()
+
+    def test_b_what_nobody_sealed(self):
+        """What others write into the store ends no daemon: all give way, and
+        wait for an exercise that they can read."""
+        node = self.begin("victim")
+        there = [n for n in self.nodes.values() if n.alive()]
+        self.log.stop()
+        for key, value in (("nodes/x", b"\xff"), ("nodes/x", b""),
+                           ("nodes/y", self.log.pb.ClusterNode(
+                               beat=3).SerializeToString()),
+                           ("log", b"nonsense"),
+                           ("log", self.log.pb.SealedFrame(
+                               seal=self.log.pb.Seal(number=1, time=-5),
+                               entries=[self.log.pb.LogEntry()]
+                           ).SerializeToString()),
+                           ("head", b"\0"), ("master", b"nobody")):
+            self.store.put("bridge/" + key, value)
+        until("they notice", lambda: node.cluster()["role"] == "JOINING")
+        self.assertTrue(all(n.alive() for n in there))
+        self.assertEqual(node.get(PNG).status, 200)
 
 
 if __name__ == "__main__":

@@ -46,6 +46,18 @@ static void release(void *message)
     }
 }
 
+/* NULL: none, or not one that a daemon has put. */
+static Pelagos__ClusterMaster *unpack_master(const struct pel_etcd_kv *kv)
+{
+    Pelagos__ClusterMaster *master =
+        unpack(&pelagos__cluster_master__descriptor, kv);
+    if (master && (!master->name || !master->address)) {
+        release(master);
+        master = NULL;
+    }
+    return master;
+}
+
 static void put(struct pel_etcd_txn *txn, const char *key, GBytes *value)
 {
     gsize size;
@@ -93,7 +105,7 @@ static void answered(void *user, const struct pel_etcd_answer *answer)
     const struct pel_etcd_kv *master = pel_etcd_find(answer, seals->master);
     const struct pel_etcd_kv *head = pel_etcd_find(answer, seals->head);
     struct pel_seals_view view = {
-        .master = unpack(&pelagos__cluster_master__descriptor, master),
+        .master = unpack_master(master),
         .head = unpack(&pelagos__cluster_head__descriptor, head),
         .number = log ? log->version : 0,
         .last = unpack(&pelagos__sealed_frame__descriptor, log),
@@ -262,7 +274,7 @@ static void on_event(void *user, const struct pel_etcd_kv *kv)
             to->frame(to->user, kv->version, message, kv->mod_revision);
         }
     } else if (strcmp(kv->key, seals->master) == 0) {
-        message = unpack(&pelagos__cluster_master__descriptor, kv);
+        message = unpack_master(kv);
         if (message) {
             to->master(to->user, message);
         }
