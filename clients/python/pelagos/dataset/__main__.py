@@ -106,23 +106,8 @@ def _run(options: argparse.Namespace) -> int:
     if not fresh and folder.set()["digest"] != plan.digest():
         raise BadPlan(f"{folder.path} is of another plan: say another "
                       "directory with --output, or remove it")
-    if fresh and options.no_estimate:
-        with Renderer(plan, options.device.split(",")[0], threads) as one:
-            made_by = one.made_by
-        folder.open(plan, made_by)
-    elif fresh:
-        estimate, made_by = measure(plan, options.device.split(",")[0],
-                                    threads)
-        if not options.json:
-            _print_estimate(plan, estimate, made_by, options, workers)
-        free = room(folder.path)
-        if estimate.total() > free:
-            say(f"{_bytes(estimate.total())} are wanted and {_bytes(free)} are "
-                f"free at {os.path.abspath(folder.path)}: make room, say "
-                "another --output, or draw fewer frames or layers")
-            return FAILED
-        if options.slurm != "print":
-            folder.open(plan, made_by)
+    if fresh and options.slurm != "print":
+        _begin(plan, folder, workers, threads, options)
     if options.slurm:
         return _by_slurm(options, plan, folder, threads)
     workers = min(workers, max(1, len(folder.missing(plan))))
@@ -130,6 +115,26 @@ def _run(options: argparse.Namespace) -> int:
     if status == 0:
         return _merge_and_say(folder, options)
     return status
+
+
+def _begin(plan: Plan, folder: Folder, workers: int, threads: int,
+           options: argparse.Namespace) -> None:
+    """Measures what the set will take, and makes its directory."""
+    device = options.device.split(",")[0]
+    if options.no_estimate:
+        with Renderer(plan, device, threads) as one:
+            folder.open(plan, one.made_by)
+        return
+    estimate, made_by = measure(plan, device, threads)
+    if not options.json:
+        _print_estimate(plan, estimate, made_by, options, workers)
+    free = room(folder.path)
+    if estimate.total() > free:
+        raise OSError(
+            f"{_bytes(estimate.total())} are wanted and {_bytes(free)} are "
+            f"free at {os.path.abspath(folder.path)}: make room, say another "
+            "--output, or draw fewer frames or layers")
+    folder.open(plan, made_by)
 
 
 def _watch(folder: Folder, plan: Plan, workers: int, threads: int,
