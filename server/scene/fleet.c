@@ -126,6 +126,69 @@ void pel_fleet_trim(Pelagos__Model *wish)
         wish->has_height && can_have(wish->height, kind->height_m, most_m);
 }
 
+/* --- built-in models that were made last ------------------------------------
+ *
+ * Scenes that come and go, as a data set's do, ask for the same few again, and
+ * finding what a form hides of its surroundings takes a tenth of a second.
+ * Files may change meanwhile, and are read anew. */
+
+#define SHELF 32
+#define SHELF_BYTES ((size_t)64 << 20)
+
+static struct {
+    GMutex lock; /* of the rest */
+    struct pel_fleet_member items[SHELF];
+    size_t count; /* the one that was wanted last is the last */
+    size_t bytes;
+} shelf;
+
+static const struct pel_model *from_shelf(const Pelagos__Model *wish)
+{
+    const struct pel_model *found = NULL;
+    g_mutex_lock(&shelf.lock);
+    for (size_t i = 0; i < shelf.count && !found; i++) {
+        if (same(shelf.items[i].wish, wish)) {
+            struct pel_fleet_member item = shelf.items[i];
+            memmove(&shelf.items[i], &shelf.items[i + 1],
+                    (shelf.count - i - 1) * sizeof item);
+            shelf.items[shelf.count - 1] = item;
+            found = pel_model_ref(item.model);
+        }
+    }
+    g_mutex_unlock(&shelf.lock);
+    return found;
+}
+
+static void take_off_first(void)
+{
+    shelf.bytes -= shelf.items[0].model->bytes;
+    pel_model_unref(shelf.items[0].model);
+    pelagos__model__free_unpacked(shelf.items[0].wish, NULL);
+    memmove(&shelf.items[0], &shelf.items[1],
+            --shelf.count * sizeof shelf.items[0]);
+}
+
+static void put_on_shelf(const Pelagos__Model *wish,
+                         const struct pel_model *model)
+{
+    if (!pel_builtin_find(wish->name) || model->bytes > SHELF_BYTES) {
+        return;
+    }
+    g_mutex_lock(&shelf.lock);
+    while (shelf.count == SHELF ||
+           (shelf.count > 0 && shelf.bytes + model->bytes > SHELF_BYTES)) {
+        take_off_first();
+    }
+    shelf.items[shelf.count++] = (struct pel_fleet_member){
+        .wish = (Pelagos__Model *)pel_message_copy(&wish->base),
+        .model = pel_model_ref(model),
+    };
+    shelf.bytes += model->bytes;
+    g_mutex_unlock(&shelf.lock);
+}
+
+/* --- the fleet ------------------------------------------------------------ */
+
 /* The path of the field at fault: the model's own, or its name. */
 static void set_path(struct pel_fault *fault, uint32_t entity,
                      const Pelagos__Model *wish)
@@ -172,8 +235,11 @@ static enum pel_err add(const Pelagos__Entity *entity, const char *directory,
     *m = (struct pel_fleet_member){ .entity = entity->id };
     if (old || twin) {
         m->model = pel_model_ref(old ? old->model : twin->model);
-    } else {
+    } else if (!(m->model = from_shelf(entity->model))) {
         err = pel_fleet_make(entity->model, directory, &m->model, notes, &why);
+        if (!err) {
+            put_on_shelf(entity->model, m->model);
+        }
     }
     if (err && forgiving) {
         pel_error("SCN-011",
