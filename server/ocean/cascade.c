@@ -230,6 +230,21 @@ static double cos_2(const struct twice *t, int i, int j)
            (m * m + n * n);
 }
 
+/* The same, continuous in the spectrum: β/α is held within ±0.8, and goes to 0
+ * where the modes that there are say too little of it. */
+static void fit_steadily(double m0, double e2, struct ring_fit *f)
+{
+    double det = f->s0 * f->s22 - f->s2 * f->s2;
+    double up = e2 * f->s0 - m0 * f->s2;
+    double down = m0 * f->s22 - e2 * f->s2;
+    double known = pel_clamp(det / (f->s0 * f->s0) / 4e-3 - 0.25, 0, 1);
+    /* Where up is 0 down is not below 0. */
+    double ratio = up / fmax(fmax(down, fabs(up) / 0.8), 1e-300);
+    ratio *= known * known * (3 - 2 * known);
+    f->alpha = m0 / (f->s0 + ratio * f->s2);
+    f->beta = ratio * f->alpha;
+}
+
 static void fit_ring(const struct builder *b, double step, int r,
                      struct ring_fit *f)
 {
@@ -241,6 +256,10 @@ static void fit_ring(const struct builder *b, double step, int r,
         return;
     }
     double e2 = exact.m0 * (exact.along - exact.cross) / slopes;
+    if (b->desc->steady) {
+        fit_steadily(exact.m0, e2, f);
+        return;
+    }
     double det = f->s0 * f->s22 - f->s2 * f->s2;
     f->alpha = (exact.m0 * f->s22 - e2 * f->s2) / det;
     f->beta = (e2 * f->s0 - exact.m0 * f->s2) / det;
@@ -654,7 +673,9 @@ static void *build_cascade(void *argument)
     lay_rings(b, m_lo);
     draw_modes(b, c, b->index, m_lo);
     scale_rings(b, c, m_lo);
-    pel_cascade_even(b->spectrum, b->desc, b->index, c);
+    if (!b->desc->steady) {
+        pel_cascade_even(b->spectrum, b->desc, b->index, c);
+    }
     add_singles(b, c);
     mirror_modes(c);
     c->modes = pel_evolve_modes_create(c);

@@ -117,6 +117,9 @@ double pel_dispersion_k(double omega, double depth_m);
 void pel_elfouhaily(double k, double wind_mps, double fetch_m, double *density,
                     double *delta);
 
+/* Its peak, rad/m. */
+double pel_elfouhaily_peak(double wind_mps, double fetch_m);
+
 /* Rate β [1/s] at which the wind raises the energy of a wave of k rad/m:
  * 0.05 ω (v/c)², v the friction velocity (Plant 1982: 0.04 ± 0.02). */
 double pel_wind_growth(double k, double wind_mps);

@@ -29,13 +29,25 @@ double pel_wind_over_viscosity(double k, double wind_mps)
     return fmax(1.0 - 4.0 * viscosity * k * k / growth, 0.0);
 }
 
+/* eq. 37: inverse wave age, 0.84 when fully developed */
+static double wave_age(double k0, double fetch_m)
+{
+    double age = 0.84 * pow(tanh(pow(k0 * fetch_m / 2.2e4, 0.4)), -0.75);
+    return fmin(age, 5.0); /* what follows is given up to 5 */
+}
+
+double pel_elfouhaily_peak(double wind_mps, double fetch_m)
+{
+    double k0 = PEL_GRAVITY / (wind_mps * wind_mps);
+    double age = wave_age(k0, fetch_m);
+    return k0 * age * age;
+}
+
 void pel_elfouhaily(double k, double wind_mps, double fetch_m, double *density,
                     double *delta)
 {
     double k0 = PEL_GRAVITY / (wind_mps * wind_mps);
-    /* eq. 37: inverse wave age, 0.84 when fully developed */
-    double age = 0.84 * pow(tanh(pow(k0 * fetch_m / 2.2e4, 0.4)), -0.75);
-    age = fmin(age, 5.0); /* the parameters below are given up to 5 */
+    double age = wave_age(k0, fetch_m);
     double kp = k0 * age * age;
     double c = speed(k), cp = speed(kp);
     double friction = friction_velocity(wind_mps);

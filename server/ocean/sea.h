@@ -102,6 +102,11 @@ struct pel_sea_desc {
     double depth_m;   /* of the dispersion, 1..11000; 0: deep water */
     double whitecaps; /* times the wind's coverage (foam.h), 0..4; 0: none */
     double rain_mm_h; /* on the waves (ringwaves.h), 0..150 */
+    /* The sea is one of many that follow each other, all with the same modes:
+     * FFT alone; frequencies are those of the modes' wave numbers, so that
+     * waves keep their phases when the spectrum changes, and amplitudes are
+     * continuous in all of it. */
+    bool steady;
     struct pel_measured measured;
     int area_count; /* 0..PEL_SEA_MAX_AREAS */
     struct pel_area_desc area[PEL_SEA_MAX_AREAS];
