@@ -26,6 +26,7 @@
 #include "scene/exercise.h"
 #include "scene/recorder.h"
 #include "scene/scene.h"
+#include "scene/weatherlead.h"
 #include "service.h"
 
 #define EXIT_USAGE 2
@@ -44,6 +45,7 @@ struct daemon {
     struct pel_debrief *debrief;
     struct pel_exercises *exercises;
     struct pel_cluster *cluster; /* NULL: a daemon by itself */
+    struct pel_weather_lead *weather;
     struct pel_metrics *metrics;
     struct pel_net *net;
     struct pel_modbus *modbus;
@@ -88,6 +90,7 @@ static struct pel_scene_options scene_options(const struct daemon *d)
         .spectra = or_null(d->options.spectra),
         .bathymetry = or_null(d->options.bathymetry),
         .models = or_null(d->options.models),
+        .weather = or_null(d->options.weather),
         .panoramas = or_null(d->options.panoramas),
     };
 }
@@ -197,6 +200,13 @@ static enum pel_err start_cluster(struct daemon *d, struct pel_fault *fault)
         pel_metrics_add(d->metrics, pel_cluster_collect, d->cluster);
     }
     return err;
+}
+
+static enum pel_err start_weather(struct daemon *d, struct pel_fault *fault)
+{
+    (void)fault;
+    d->weather = pel_weather_lead_create(d->scene);
+    return PEL_OK;
 }
 
 static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
@@ -370,9 +380,10 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
 static enum pel_err start(struct daemon *d, struct pel_fault *fault)
 {
     enum pel_err (*const parts[])(struct daemon *, struct pel_fault *) = {
-        start_realtime,  start_scene,    start_frames, start_record,
-        start_exercises, start_cluster,  start_modbus, start_net,
-        start_nmea,      start_nmea_out, start_cigi,   start_console
+        start_realtime,  start_scene,   start_frames,   start_record,
+        start_exercises, start_cluster, start_weather,  start_modbus,
+        start_net,       start_nmea,    start_nmea_out, start_cigi,
+        start_console
     };
     d->metrics = pel_metrics_create();
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
@@ -406,6 +417,7 @@ static bool finish(struct daemon *d)
         pel_metrics_remove(d->metrics, pel_exercises_collect, d->exercises);
     }
     pel_exercises_destroy(d->exercises);
+    pel_weather_lead_destroy(d->weather);
     if (d->debrief) {
         pel_metrics_remove(d->metrics, pel_recorder_collect, d->recorder);
         pel_metrics_remove(d->metrics, pel_debrief_collect, d->debrief);

@@ -55,6 +55,7 @@ struct pel_options {
     int record_keep;
     int waves;
     char spectra[PEL_OPTION_TEXT], bathymetry[PEL_OPTION_TEXT];
+    char weather[PEL_OPTION_TEXT];
     char panoramas[PEL_OPTION_TEXT], recordings[PEL_OPTION_TEXT];
     char exercises[PEL_OPTION_TEXT];
     char models[PEL_OPTION_TEXT];

@@ -99,6 +99,10 @@ const struct pel_option pel_option_table[] = {
       .offset = FIELD(bathymetry),
       .help = "Where the files of heights lie that seabed.file names: GeoTIFF, "
               "NetCDF, HDF5, BAG, ENVI, ESRI .hdr and ASCII grids, OpenEXR." },
+    { "weather", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
+      .offset = FIELD(weather),
+      .help = "Where the files of wind and waves lie that sea.field.file "
+              "names: GRIB, NetCDF." },
     { "panoramas", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(panoramas),
       .help = "Where the pictures lie that sky.file names: OpenEXR, Radiance "

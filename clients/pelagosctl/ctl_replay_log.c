@@ -76,13 +76,18 @@ static bool sails(const Pelagos__State *state)
     return on;
 }
 
-/* The recorded patch, but the clock stays in our hands. */
+/* The recorded patch, but the clock stays in our hands, and what the weather
+ * did is in the log. */
 static enum ctl_exit send_patch(struct play *play, Pelagos__Patch *patch)
 {
     Pelagos__State own_state = PELAGOS__STATE__INIT;
     Pelagos__Clock own_clock = PELAGOS__CLOCK__INIT;
     Pelagos__State *state = patch->state;
     Pelagos__Clock *clock = state ? state->clock : NULL;
+    if (state && state->sea && state->sea->field) {
+        state->sea->field->has_leads = 1;
+        state->sea->field->leads = 0;
+    }
     if (clock || removes_clock(patch)) {
         patch->state = state ? state : &own_state;
         patch->state->clock = clock ? clock : &own_clock;

@@ -388,7 +388,7 @@ static void meet_wakes(const struct pel_snapshot *s, double now_s)
 const struct pel_snapshot *pel_snapshot_build_going(
     const Pelagos__State *state, struct pel_shared_sea *sea,
     const struct pel_seabed *seabed, const struct pel_panorama *panorama,
-    const struct pel_fleet *fleet,
+    const struct pel_fleet *fleet, const struct pel_weather *weather,
     const struct pel_sailing *const going[PEL_MAX_ENTITIES])
 {
     struct snapshot *s = pel_sure_calloc(1, sizeof *s);
@@ -397,6 +397,9 @@ const struct pel_snapshot *pel_snapshot_build_going(
     s->public.sea = sea;
     s->public.seabed = pel_seabed_ref(seabed);
     s->public.panorama = pel_panorama_ref(panorama);
+    s->public.weather = pel_weather_ref(weather);
+    s->public.weather_shift_s =
+        state->sea->field ? state->sea->field->shift : 0;
     fill(state, &s->public);
     s->public.entities = s->entities;
     s->public.entity_count = state->n_entities;
@@ -424,7 +427,7 @@ const struct pel_snapshot *pel_snapshot_build(const Pelagos__State *state,
                                               struct pel_shared_sea *sea,
                                               const struct pel_seabed *seabed)
 {
-    return pel_snapshot_build_going(state, sea, seabed, NULL, NULL, NULL);
+    return pel_snapshot_build_going(state, sea, seabed, NULL, NULL, NULL, NULL);
 }
 
 const struct pel_snapshot *
@@ -450,6 +453,7 @@ pel_snapshot_with_ships(const struct pel_snapshot *s,
     to->public.wash_moments = pel_wash_moments_of(to->public.washes);
     pel_seabed_ref(to->public.seabed);
     pel_panorama_ref(to->public.panorama);
+    pel_weather_ref(to->public.weather);
     to->public.entities = to->entities;
     to->public.views = to->views;
     struct pel_sailing *own = new_ships(s->ship_count);
@@ -573,6 +577,7 @@ void pel_snapshot_unref(const struct pel_snapshot *s)
         pel_lamps_unref(whole->public.lamps);
         pel_seabed_unref(whole->public.seabed);
         pel_panorama_unref(whole->public.panorama);
+        pel_weather_unref(whole->public.weather);
         for (size_t i = 0; i < whole->public.entity_count; i++) {
             pel_model_unref(whole->entities[i].model);
         }

@@ -57,14 +57,14 @@ double pel_goes_to(double from_deg);
 void pel_shared_sea_unref(struct pel_shared_sea *sea); /* NULL allowed */
 
 /* A snapshot with one reference; takes its own of the sea, of the bottom
- * (NULL: flat), of the sky's picture (NULL: none) and of the models (NULL:
- * none). A ship whose helm is on goes on
+ * (NULL: flat), of the sky's picture (NULL: none), of the models (NULL: none)
+ * and of the weather (NULL: none). A ship whose helm is on goes on
  * from the one in `going` (by the index of its entity; NULL, all or one: none)
  * or else begins at clock.time with the pose of its entity then. */
 const struct pel_snapshot *pel_snapshot_build_going(
     const Pelagos__State *state, struct pel_shared_sea *sea,
     const struct pel_seabed *seabed, const struct pel_panorama *panorama,
-    const struct pel_fleet *fleet,
+    const struct pel_fleet *fleet, const struct pel_weather *weather,
     const struct pel_sailing *const going[PEL_MAX_ENTITIES]);
 
 /* The same snapshot with its ships, all of them, further on. */

@@ -329,6 +329,30 @@ static enum pel_err check_areas(const Pelagos__Sea *sea,
     return err;
 }
 
+/* Weather that leads the sea. */
+static enum pel_err check_field(const Pelagos__Sea *sea,
+                                struct pel_fault *fault)
+{
+    if (!sea->field || !sea->field->file || !*sea->field->file) {
+        return PEL_OK;
+    }
+    if (sea->synthesiser != PELAGOS__SYNTHESISER__FFT) {
+        return pel_fault_refuse(PEL_ERR_CONFLICT, "sea.synthesiser",
+                                "TROCHOIDS",
+                                "has other waves for each weather: with "
+                                "sea.field.file it must be FFT",
+                                fault);
+    }
+    return sea->spectrum == PELAGOS__SPECTRUM_KIND__JONSWAP ||
+                   sea->spectrum == PELAGOS__SPECTRUM_KIND__ELFOUHAILY
+               ? PEL_OK
+               : pel_fault_refuse(PEL_ERR_CONFLICT, "sea.spectrum", NULL,
+                                  "has no fetch that gives the wind sea its "
+                                  "height: with sea.field.file set it to "
+                                  "ELFOUHAILY or JONSWAP",
+                                  fault);
+}
+
 static enum pel_err check_fog(const Pelagos__Sky *sky, struct pel_fault *fault)
 {
     enum pel_err err = check_count(sky->n_fog, PEL_FOG_MAX, "sky.fog", fault);
@@ -365,6 +389,9 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     }
     if (!err && state->sea) {
         err = check_areas(state->sea, fault);
+    }
+    if (!err && state->sea) {
+        err = check_field(state->sea, fault);
     }
     if (!err && state->sky) {
         err = check_fog(state->sky, fault);

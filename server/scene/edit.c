@@ -91,6 +91,9 @@ void pel_state_fill(Pelagos__State *state, double time_s)
     for (size_t i = 0; i < state->sea->n_areas; i++) {
         fill_scalars(&state->sea->areas[i]->base);
     }
+    if (state->sea->field) {
+        fill_scalars(&state->sea->field->base);
+    }
     for (size_t i = 0; i < state->sky->n_fog; i++) {
         fill_scalars(&state->sky->fog[i]->base);
     }

@@ -451,13 +451,13 @@ void pel_exercise_run_init(struct pel_exercise_run *run,
         run->kept_path = g_strconcat(state_path, ".exercise", NULL);
         run->facts_path = g_strconcat(state_path, ".exercise.csv", NULL);
     }
-    pel_scene_set_acts(scene, &acts);
+    pel_scene_add_acts(scene, &acts);
 }
 
 void pel_exercise_run_finish(struct pel_exercise_run *run)
 {
     forget(run);
-    pel_scene_set_acts(run->scene, NULL);
+    pel_scene_remove_acts(run->scene, run);
     if (run->timer) {
         g_source_remove(run->timer);
     }
@@ -759,7 +759,9 @@ enum pel_err pel_exercise_run_rewind(struct pel_exercise_run *run,
     }
     Pelagos__ClockMode mode = run->scene->state->clock->mode;
     run->returning = true;
+    pel_scene_repeat(run->scene, true);
     err = pel_exercise_past_return(run->past, run->scene, time_s, fault);
+    pel_scene_repeat(run->scene, false);
     run->returning = false;
     double clock_s = pel_scene_time(run->scene);
     align(run, clock_s);

@@ -46,7 +46,7 @@ bool pel_scene_answer(struct pel_scene *scene, const void *source,
                       const struct pel_fault *fault)
 {
     /* What the scene itself does at its moments waits for nobody. */
-    bool own = source && source == scene->acts.user;
+    bool own = pel_scene_acts_by(scene, source);
     if (!done || (!err && !own && add(scene, source, done, user))) {
         return done != NULL;
     }

@@ -91,7 +91,8 @@ void pel_scene_anew(struct pel_scene *scene, double time_s)
     if (scene->snapshot->ship_count > 0) {
         const struct pel_snapshot *anew = pel_snapshot_build_going(
             scene->state, scene->has.sea, scene->has.ground.bed,
-            scene->has.sky.picture, &scene->has.fleet, NULL);
+            scene->has.sky.picture, &scene->has.fleet, scene->has.weather.field,
+            NULL);
         pel_snapshot_unref(scene->snapshot);
         scene->snapshot = anew;
     }

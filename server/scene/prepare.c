@@ -10,6 +10,7 @@ struct pel_resources pel_resources_ref(const struct pel_resources *from)
     to.ground.bed = pel_seabed_ref(from->ground.bed);
     to.fleet = pel_fleet_ref(&from->fleet);
     to.sky = pel_sky_file_ref(&from->sky);
+    to.weather = pel_weather_file_ref(&from->weather);
     return to;
 }
 
@@ -19,6 +20,7 @@ void pel_resources_finish(struct pel_resources *resources)
     pel_ground_finish(&resources->ground);
     pel_fleet_finish(&resources->fleet);
     pel_sky_file_finish(&resources->sky);
+    pel_weather_file_finish(&resources->weather);
     resources->sea = NULL;
 }
 
@@ -30,7 +32,8 @@ bool pel_resources_fits(const struct pel_resources *resources,
            pel_shared_sea_is(resources->sea, state, means,
                              &resources->ground) &&
            pel_fleet_has(&resources->fleet, state) &&
-           pel_sky_file_is(&resources->sky, state);
+           pel_sky_file_is(&resources->sky, state) &&
+           pel_weather_file_is(&resources->weather, state);
 }
 
 enum pel_err pel_resources_get(const Pelagos__State *state,
@@ -54,6 +57,10 @@ enum pel_err pel_resources_get(const Pelagos__State *state,
     if (!err) {
         err = pel_sky_file_get(state, files->panoramas, files->forgiving,
                                &present->sky, &out->sky, fault);
+    }
+    if (!err) {
+        err = pel_weather_file_get(state, files->weather, files->forgiving,
+                                   &present->weather, &out->weather, fault);
     }
     if (err) {
         pel_resources_finish(out);

@@ -8,13 +8,14 @@
 #include "scene/fleet.h"
 #include "scene/ground.h"
 #include "scene/skyfile.h"
+#include "scene/weatherfile.h"
 #include "scene/worker.h"
 
 /* Where files lie; NULL: nowhere. */
 struct pel_files {
-    const char *bathymetry, *models, *panoramas;
+    const char *bathymetry, *models, *panoramas, *weather;
     bool forgiving; /* entities may go without their models, the sky
-                       without its picture */
+                       without its picture, the sea without its weather */
 };
 
 /* The sea, the bottom and the models of a state. Zeroed: none. */
@@ -23,6 +24,7 @@ struct pel_resources {
     struct pel_shared_sea *sea;
     struct pel_ground ground;
     struct pel_sky_file sky;
+    struct pel_weather_file weather;
 };
 void pel_resources_finish(struct pel_resources *resources);
 /* The same with references of their own. */

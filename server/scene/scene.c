@@ -23,6 +23,7 @@
 #include "scene/scene_parts.h"
 #include "scene/sharedsea.h"
 #include "scene/store.h"
+#include "scene/weatherlead.h"
 
 #define MAX_STEP_S 3600.0
 #define SHIP_MS 500
@@ -141,31 +142,103 @@ static void notify(struct pel_scene *scene, double time_s,
     if (scene->listener) {
         scene->listener(scene->listener_user, time_s, patch);
     }
-    if (scene->acts.heard) {
-        scene->acts.heard(scene->acts.user, time_s, patch);
+    for (int i = 0; i < PEL_MAX_ACTS; i++) {
+        if (scene->acts[i].heard) {
+            scene->acts[i].heard(scene->acts[i].user, time_s, patch);
+        }
     }
 }
 
-void pel_scene_set_acts(struct pel_scene *scene,
+void pel_scene_add_acts(struct pel_scene *scene,
                         const struct pel_scene_acts *acts)
 {
-    scene->acts = acts ? *acts : (struct pel_scene_acts){ 0 };
+    for (int i = 0; i < PEL_MAX_ACTS; i++) {
+        if (!scene->acts[i].next) {
+            scene->acts[i] = *acts;
+            return;
+        }
+    }
+}
+
+void pel_scene_remove_acts(struct pel_scene *scene, const void *user)
+{
+    for (int i = 0; i < PEL_MAX_ACTS; i++) {
+        if (scene->acts[i].user == user) {
+            scene->acts[i] = (struct pel_scene_acts){ 0 };
+        }
+    }
+}
+
+bool pel_scene_acts_by(const struct pel_scene *scene, const void *source)
+{
+    bool by = false;
+    for (int i = 0; i < PEL_MAX_ACTS; i++) {
+        by = by || (scene->acts[i].next && scene->acts[i].user == source);
+    }
+    return by;
+}
+
+void pel_scene_repeat(struct pel_scene *scene, bool begin)
+{
+    scene->repeats = begin;
+}
+
+bool pel_scene_repeats(const struct pel_scene *scene)
+{
+    return scene->repeats;
+}
+
+/* Whose moment is the next; NULL: nobody acts. */
+static const struct pel_scene_acts *next_to_act(const struct pel_scene *scene,
+                                                double until_s, double *at_s)
+{
+    const struct pel_scene_acts *first = NULL;
+    *at_s = INFINITY;
+    for (int i = 0; i < PEL_MAX_ACTS && !scene->repeats; i++) {
+        const struct pel_scene_acts *a = &scene->acts[i];
+        double at = a->next ? a->next(a->user, until_s) : INFINITY;
+        if (at < *at_s) {
+            *at_s = at;
+            first = a;
+        }
+    }
+    return first;
+}
+
+/* Whether simulated time goes by steps, and what somebody did waits for its sea
+ * or its file. */
+static bool waits(const struct pel_scene *scene)
+{
+    bool any = false;
+    for (int i = 0; i < PEL_MAX_ACTS; i++) {
+        any = any || (scene->acts[i].next &&
+                      scene->acts[i].waits(scene->acts[i].user));
+    }
+    return any;
+}
+
+static bool goes_by_steps(const struct pel_scene *scene)
+{
+    return scene->clock.mode == PEL_CLOCK_STEPPED ||
+           scene->clock.mode == PEL_CLOCK_PACED;
 }
 
 /* Up to time_s: a clock that is stepped stops at each moment. */
 void pel_scene_act_until(struct pel_scene *scene, double time_s)
 {
+    const struct pel_scene_acts *who;
     double at;
-    if (!scene->acts.next || scene->acting || scene->led.on) {
+    if (scene->acting || scene->led.on) {
         return;
     }
     scene->acting = true;
-    while ((at = scene->acts.next(scene->acts.user, time_s)) <= time_s) {
+    while (!(goes_by_steps(scene) && waits(scene)) &&
+           (who = next_to_act(scene, time_s, &at)) && at <= time_s) {
         if (scene->clock.mode != PEL_CLOCK_FREE) {
             scene->clock.base_s = fmax(at, scene->clock.base_s);
         }
         advance_ships(scene, at);
-        scene->acts.act(scene->acts.user, at);
+        who->act(who->user, at);
     }
     scene->acting = false;
 }
@@ -241,7 +314,7 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
     }
     const struct pel_snapshot *snapshot = pel_snapshot_build_going(
         state, next.sea, next.ground.bed, next.sky.picture, &next.fleet,
-        next.sea == scene->has.sea ? going : NULL);
+        next.weather.field, next.sea == scene->has.sea ? going : NULL);
     pel_resources_finish(&scene->has);
     pel_snapshot_unref(scene->snapshot);
     if (scene->state) {
@@ -304,6 +377,9 @@ enum pel_err pel_scene_edited(struct pel_scene *scene,
     err = pel_state_check(*out, fault);
     if (!err) {
         err = pel_sea_settle(*out, fault);
+    }
+    if (!err) {
+        err = pel_weather_lead_check(scene->state, *out, patch, fault);
     }
     if (err) {
         pelagos__state__free_unpacked(*out, NULL);
@@ -460,8 +536,8 @@ static enum pel_err steps(const struct pel_scene *scene,
 {
     if (scene->held.on) {
         return pel_fault_set(fault, PEL_ERR_BUSY,
-                             "a step waits for the sea of an exercise's event; "
-                             "a little later");
+                             "a step waits for the sea of an exercise's event "
+                             "or of the weather; a little later");
     }
     enum pel_err err = pel_scene_refuse_led(scene, fault);
     return err ? err
@@ -476,8 +552,8 @@ static enum pel_err steps(const struct pel_scene *scene,
  * not too many at once. */
 static double longest_step(const struct pel_scene *scene)
 {
-    bool acts = scene->acts.next &&
-                isfinite(scene->acts.next(scene->acts.user, PEL_MAX_TIME_S));
+    double at;
+    bool acts = next_to_act(scene, PEL_MAX_TIME_S, &at);
     return scene->snapshot->ship_count > 0 || acts ? PEL_SHIP_AHEAD_S
                                                    : MAX_STEP_S;
 }
@@ -487,8 +563,7 @@ static bool go_to(struct pel_scene *scene, double time_s)
 {
     enum pel_clock_mode mode = scene->clock.mode;
     pel_scene_act_until(scene, time_s);
-    if ((mode == PEL_CLOCK_STEPPED || mode == PEL_CLOCK_PACED) &&
-        scene->acts.next && scene->acts.waits(scene->acts.user)) {
+    if (goes_by_steps(scene) && waits(scene)) {
         scene->held.on = true;
         scene->held.mode = mode;
         scene->held.at_s = scene->clock.base_s;
@@ -508,8 +583,7 @@ void pel_scene_go_on(struct pel_scene *scene, bool over)
     void *user = scene->held.user;
     struct pel_fault fault = { 0 };
     enum pel_err err = PEL_OK;
-    if (!scene->held.on ||
-        (!over && scene->acts.next && scene->acts.waits(scene->acts.user))) {
+    if (!scene->held.on || (!over && waits(scene))) {
         return;
     }
     scene->held.on = false;
@@ -519,7 +593,7 @@ void pel_scene_go_on(struct pel_scene *scene, bool over)
                scene->clock.base_s != scene->held.at_s) {
         err = pel_fault_set(&fault, PEL_ERR_CONFLICT,
                             "the clock was set while the step waited for the "
-                            "sea of an exercise's event");
+                            "sea of an exercise's event or of the weather");
     } else if (!go_to(scene, scene->held.to_s)) {
         return;
     }
@@ -617,6 +691,7 @@ static void scene_free(struct pel_scene *scene)
     g_free((char *)scene->files.bathymetry);
     g_free((char *)scene->files.models);
     g_free((char *)scene->files.panoramas);
+    g_free((char *)scene->files.weather);
     g_free(scene->spectra);
     pel_missing_finish(&scene->missing);
     pel_store_close(scene->store);
@@ -677,6 +752,9 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     if (!err) {
         err = need_directory("--panoramas", options->panoramas, fault);
     }
+    if (!err) {
+        err = need_directory("--weather", options->weather, fault);
+    }
     if (!err && options->state_path) {
         err = pel_store_open(options->state_path, &store, fault);
     }
@@ -696,7 +774,9 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     scene->files.bathymetry = g_strdup(options->bathymetry);
     scene->files.models = g_strdup(options->models);
     scene->files.panoramas = g_strdup(options->panoramas);
-    if ((options->bathymetry || options->models || options->panoramas) &&
+    scene->files.weather = g_strdup(options->weather);
+    if ((options->bathymetry || options->models || options->panoramas ||
+         options->weather) &&
         pel_sandbox_lack(pel_sandbox_walls())) {
         pel_warn("SCN-010", "files of others are read in a process with %s",
                  pel_sandbox_lack(pel_sandbox_walls()));

@@ -24,6 +24,7 @@ struct pel_scene_options {
     const char *bathymetry; /* directory of height fields; NULL: none */
     const char *models;     /* directory of models; NULL: none */
     const char *panoramas;  /* directory of skies; NULL: none */
+    const char *weather;    /* directory of weather fields; NULL: none */
     /* Of a debrief: it has no timers and does nothing ahead, so that any one
      * thread may use it. Its clock is to be stepped. */
     bool apart;
@@ -165,8 +166,9 @@ typedef void (*pel_scene_listener)(void *user, double time_s,
 const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
                                        pel_scene_listener listener, void *user);
 
-/* Who acts at moments of simulated time (exercise.h); one, NULL for none. While
- * somebody does, a step is 10 s at most. */
+/* Who acts at moments of simulated time (exercise.h, weatherlead.h): at most
+ * two, the first that came acts first at one moment. While somebody does, a
+ * step is 10 s at most. */
 struct pel_scene_acts {
     /* The next moment after the last, INFINITY: none; until_s: how far
      * simulated time is about to come. */
@@ -180,8 +182,13 @@ struct pel_scene_acts {
     pel_scene_listener heard;
     void *user;
 };
-void pel_scene_set_acts(struct pel_scene *scene,
+void pel_scene_add_acts(struct pel_scene *scene,
                         const struct pel_scene_acts *acts);
+void pel_scene_remove_acts(struct pel_scene *scene, const void *user);
+
+/* Time is led through what has been: nobody acts until it is over. */
+void pel_scene_repeat(struct pel_scene *scene, bool begin);
+bool pel_scene_repeats(const struct pel_scene *scene);
 
 /* Acts at each moment that a clock which runs by itself has passed. Edits do so
  * first. */
@@ -191,7 +198,7 @@ void pel_scene_catch_up(struct pel_scene *scene);
  * somebody acts, whatever the clock shows by then. `done` as of
  * pel_scene_submit: a patch that asks for another sea or a file waits for it.
  * at_once: not where time goes by steps; who looks at the sea first builds it.
- * Its source is acts.user (pel_scene_forget). */
+ * Its source is `user`, that of its acts (pel_scene_forget). */
 bool pel_scene_act_patch(struct pel_scene *scene, const Pelagos__Patch *patch,
                          double time_s, bool at_once, pel_scene_done done,
                          void *user);

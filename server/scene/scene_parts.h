@@ -14,6 +14,7 @@
 #include "scene/worker.h"
 
 #define PEL_MAX_CALLBACKS 16
+#define PEL_MAX_ACTS 2
 
 struct pel_scene {
     struct pel_store *store; /* NULL: the state is not kept */
@@ -48,8 +49,8 @@ struct pel_scene {
     uint32_t host_frame;
     pel_scene_listener listener; /* may be NULL */
     void *listener_user;
-    struct pel_scene_acts acts; /* next NULL: none */
-    bool acting;
+    struct pel_scene_acts acts[PEL_MAX_ACTS]; /* next NULL: none */
+    bool acting, repeats;
     struct {
         bool on; /* a step is, until what somebody acts by is there */
         enum pel_clock_mode mode;
@@ -122,6 +123,9 @@ void pel_scene_go_on(struct pel_scene *scene, bool over);
 
 /* Acts at each moment up to time_s. */
 void pel_scene_act_until(struct pel_scene *scene, double time_s);
+
+/* Whether this source is one of those that act. */
+bool pel_scene_acts_by(const struct pel_scene *scene, const void *source);
 
 /* led.c: whether a log leads the scene, and not the one who asks. */
 PEL_CHECK enum pel_err pel_scene_refuse_led(const struct pel_scene *scene,

@@ -58,6 +58,7 @@ void pel_sea_describe(const Pelagos__State *state, int wave_count,
     out->whitecaps = sea->whitecaps;
     out->rain_mm_h = state->sky->rain;
     out->wave_count = wave_count;
+    out->steady = sea->field && sea->field->file && *sea->field->file;
     out->swell_count = (int)sea->n_swell;
     for (size_t i = 0; i < sea->n_swell; i++) {
         out->swell[i].height_m = sea->swell[i]->height;
@@ -158,7 +159,7 @@ static bool same_sea(const struct pel_sea_desc *a, const struct pel_sea_desc *b)
 {
     bool same = a->synthesiser == b->synthesiser && a->kind == b->kind &&
                 a->depth_m == b->depth_m && a->whitecaps == b->whitecaps &&
-                a->rain_mm_h == b->rain_mm_h &&
+                a->rain_mm_h == b->rain_mm_h && a->steady == b->steady &&
                 a->direction_rad == b->direction_rad && a->seed == b->seed &&
                 a->wave_count == b->wave_count &&
                 a->swell_count == b->swell_count;

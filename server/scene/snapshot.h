@@ -22,6 +22,7 @@
 #include "scene/ship.h"
 #include "scene/viewplace.h"
 #include "seabed/seabed.h"
+#include "weather/weather.h"
 
 #define PEL_MAX_VIEWS PEL_BOUND_VIEWS
 #define PEL_MAX_ENTITIES PEL_BOUND_ENTITIES
@@ -183,6 +184,10 @@ struct pel_snapshot {
     bool stars;
     double visibility_m; /* with rain and snow */
     double rain_mm_h, snow_mm_h;
+    /* By place and time, at epoch_unix_s + time + shift; NULL: there is none,
+     * the weather is everywhere that of the sea. */
+    const struct pel_weather *weather;
+    double weather_shift_s;
     const struct pel_panorama *panorama; /* the sky; NULL: computed */
     double panorama_scale, panorama_azimuth_rad;
     bool panorama_sun, panorama_dark; /* it has the Sun; there is none */

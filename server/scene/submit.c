@@ -64,6 +64,7 @@ static bool reads(const struct pel_scene *scene, const Pelagos__State *state)
     return !pel_ground_is(&scene->has.ground, state) ||
            !pel_fleet_has(&scene->has.fleet, state) ||
            !pel_sky_file_is(&scene->has.sky, state) ||
+           !pel_weather_file_is(&scene->has.weather, state) ||
            !pel_shared_sea_same_record(scene->has.sea, state);
 }
 
@@ -269,8 +270,7 @@ bool pel_scene_act_patch(struct pel_scene *scene, const Pelagos__Patch *patch,
                          double time_s, bool at_once, pel_scene_done done,
                          void *user)
 {
-    const struct pel_scene_wish wish = { .patch = patch,
-                                         .source = scene->acts.user };
+    const struct pel_scene_wish wish = { .patch = patch, .source = user };
     bool stepped = scene->clock.mode == PEL_CLOCK_STEPPED ||
                    scene->clock.mode == PEL_CLOCK_PACED;
     return submit(scene, &wish, pel_now_ns(), time_s, at_once && stepped, done,

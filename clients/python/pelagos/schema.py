@@ -191,6 +191,50 @@ class Area(Record):
 
 
 @dataclass(frozen=True)
+class WeatherField(Record):
+    """Weather by place and time, of a file of a weather service. While there
+    is one it leads windSpeed, windDirection and, where it has waves, fetch and
+    swell: they are the file's at own ship (without own ship at the origin), at
+    the simulated UTC, and edits of them are refused. Wave heights need the
+    spectrum JONSWAP or ELFOUHAILY; docs/numbers.md has the names that are
+    read."""
+    #: File in the directory of pelagosd --weather: GRIB or NetCDF with wind at
+    #: 10 m and, if it has them, height, period and direction of waves, by
+    #: time.
+    file: str | None = _field(None)
+    #: Added to the simulated UTC before the file is asked. [s; -10000000000 to
+    #: 10000000000]
+    shift: float = _field(0.0, 's', -10000000000, 10000000000)
+    #: Written by the server, as all below, when the sea is brought to it:
+    #: simulated time of that. [s; 0 to 1000000000]
+    time: float | None = _field(None, 's', 0, 1000000000)
+    #: Where. [deg; -90 to 90]
+    latitude: float | None = _field(None, 'deg', -90, 90)
+    #: Where. [deg; -180 to 180]
+    longitude: float | None = _field(None, 'deg', -180, 180)
+    #: Whether the file has that place and time.
+    #: One of INSIDE, BEFORE, AFTER, OUTSIDE.
+    place: str | None = _field(None)
+    #: Whether it has numbers there, not land or ice, whose are the nearest
+    #: coast's.
+    known: bool | None = _field(None)
+    #: Significant height that it has; absent: it has no waves. [m; 0 to 32]
+    height: float | None = _field(None, 'm', 0, 32)
+    #: Peak period. [s; 0 to 40]
+    period: float | None = _field(None, 's', 0, 40)
+    #: Direction that the waves come from. [deg; 0 to 360]
+    direction: float | None = _field(None, 'deg', 0, 360)
+    #: UTC of the file's first time.
+    first: str | None = _field(None)
+    #: UTC of its last.
+    last: str | None = _field(None)
+    #: Whether it leads wind and waves at own ship. Without, the sea stays as
+    #: it is and can be edited, as in a replay, whose log has what the field
+    #: did; seen from high up the weather is the field's all the same.
+    leads: bool = _field(True)
+
+
+@dataclass(frozen=True)
 class Sea(Record):
     """Sea."""
     #: Mean wind speed 10 m above the sea. [m/s; 0 to 30]
@@ -248,6 +292,8 @@ class Sea(Record):
     whitecaps: float = _field(1.0, '1', 0, 4)
     #: Areas of higher or lower short waves, at most 16.
     areas: tuple[Area, ...] = ()
+    #: Weather by place and time, which leads wind and waves.
+    field: WeatherField | None = _field(None)
 
 
 @dataclass(frozen=True)
