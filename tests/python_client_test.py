@@ -162,7 +162,8 @@ class State(OceanCase):
                  "track": "TrackPoint", "sectors": "LightSector",
                  "signal": "SignalLamp", "presets": "Preset",
                  "exercise": "ExerciseRun", "events": "ExerciseDone",
-                 "at": "Place", "waypoints": "Waypoint"}
+                 "at": "Place", "waypoints": "Waypoint",
+                 "field": "WeatherField"}
         for path, field in self.ocean.fields().items():
             kind = schema.State
             known = None
