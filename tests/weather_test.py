@@ -180,6 +180,21 @@ class Files(unittest.TestCase):
         os.symlink("/etc/passwd", self.at("passwd.nc"))
         self.refused("passwd.nc")
 
+    def test_hdf5(self):
+        """NetCDF 4 that hands on to other files."""
+        any_raster = os.path.join(BIN, "any_raster")
+        if not os.path.exists(any_raster):
+            self.skipTest("needs any_raster")
+        other = os.path.join(tempfile.gettempdir(), "pelagos-elsewhere.bin")
+        with open(other, "wb") as f:
+            f.write(bytes(65536))
+        self.addCleanup(os.remove, other)
+        for kind, words in (("storage", "external storage"),
+                            ("link", "external link")):
+            subprocess.run([any_raster, "hdf5", kind, self.at(kind + ".nc"),
+                            other], check=True, timeout=SLOW_S)
+            self.refused(kind + ".nc", words)
+
     def test_too_much(self):
         import netCDF4
         for name, size, times in (("wide.nc", 8000, 1), ("long.nc", 3000, 16)):
@@ -275,8 +290,7 @@ class Sea(unittest.TestCase):
         state = daemon.state()
         sea, field = state["sea"], state["sea"]["field"]
         hour = HALF_HOUR + state["clock"]["time"] / 3600
-        ship = state["entities"]["1"] if isinstance(state["entities"], dict) \
-            else state["entities"][0]
+        ship = state["entities"][0]
         seconds = state["clock"]["time"] - ship.get("poseTime", 0)
         lat = ship["latitude"] + seconds * ship["speed"] * math.cos(
             math.radians(ship["course"])) / 111270
@@ -411,6 +425,32 @@ class Sea(unittest.TestCase):
             # change, which here is as much
             self.assertLess(worst, 8e-3)
             self.assertGreater(worst, 1e-5)
+
+    def test_ship(self):
+        """Own ship heaves through new seas as through one: its acceleration
+        where they change is as elsewhere."""
+        with Daemon("--weather", self.folder) as daemon:
+            self.begin(daemon, ship=dict(SHIP, longitude=4.6, speed=6))
+            self.ask(daemon, "PATCH", "/v1/state", {
+                "sea": {"field": {"shift": 600}},
+                "ownShip": {"on": True, "throttle": 0.5}})
+            self.settled(daemon)
+            dt, poses, seas = 0.1, [], []
+            for i in range(1, 200):
+                self.step(daemon, i * dt)
+                state = daemon.state()
+                ship = state["entities"][0]
+                poses.append([ship["altitude"], ship["pitch"] / 10,
+                              ship["roll"] / 10])
+                seas.append(state["sea"]["field"]["time"])
+            poses = np.array(poses)
+            bends = np.abs(poses[2:] - 2 * poses[1:-1] + poses[:-2]).max(1)
+            new = np.array([a != b for a, b in zip(seas[1:], seas)])
+            near = new[:-1] | new[1:]
+            print(f"  {new.sum()} seas; second differences {bends[near].max():.4f}"
+                  f" where they change, {bends[~near].max():.4f} elsewhere")
+            self.assertGreater(new.sum(), 2)
+            self.assertLess(bends[near].max(), 1.5 * bends[~near].max() + 2e-3)
 
     def voyage(self, daemon, from_s, to_s):
         """In steps of 4 s; what the state says of the sea at each."""
