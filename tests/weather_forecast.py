@@ -6,8 +6,8 @@ import subprocess
 
 import numpy as np
 
-SAMPLE = "/usr/share/eccodes/samples/regular_ll_sfc_grib2.tmpl"
-HAS_ECCODES = shutil.which("grib_filter") and os.path.exists(SAMPLE)
+SAMPLE = "/usr/share/eccodes/samples/regular_ll_sfc_grib{}.tmpl"
+HAS_ECCODES = shutil.which("grib_filter") and os.path.exists(SAMPLE.format(2))
 DATE = "20260621"  # at noon; 1782043200 s since 1970
 NOON_UNIX_S = 1782043200
 # ecCodes' name, unit of the last bit
@@ -21,7 +21,7 @@ def grid(west, north, columns, rows, step):
     return (north - step * np.arange(rows), west + step * np.arange(columns))
 
 
-def write_grib(path, fields, lats, lons, hours):
+def write_grib(path, fields, lats, lons, hours, edition=2):
     """fields: {name: f(lat, lon, hours) -> array, NaN: none}."""
     step = abs(float(lons[1] - lons[0]))
     rules = []
@@ -47,8 +47,8 @@ def write_grib(path, fields, lats, lons, hours):
         f.write("".join(rules))
     if os.path.exists(path):
         os.remove(path)
-    subprocess.run(["grib_filter", path + ".rules", SAMPLE], check=True,
-                   timeout=120)
+    subprocess.run(["grib_filter", path + ".rules", SAMPLE.format(edition)],
+                   check=True, timeout=120)
     os.remove(path + ".rules")
 
 

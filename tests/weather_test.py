@@ -135,12 +135,16 @@ class Files(unittest.TestCase):
                      mpts=lambda a, o, h: 12 + 0 * a + 0 * o,
                      mdts=lambda a, o, h: 300 + 0 * a + 0 * o)
         forecast.write_grib(self.at("parts.grib2"), parts, LATS, LONS, HOURS)
-        values = self.same_as_written("parts.grib2", LATS, LONS)
-        self.assertEqual(sorted(values), list(range(8)))
-        self.assertTrue((values[5] == 1024).all())
-        self.assertTrue((np.abs(values[6] - 12 * 1024) < 2).all())
-        off = values[7] * (180 / 32767) + 30
-        self.assertLess(np.abs(off).max(), 0.01)
+        # GRIB 1 is what the ECMWF gives of ERA5
+        forecast.write_grib(self.at("parts.grib1"), parts, LATS, LONS, HOURS,
+                            edition=1)
+        for name in ("parts.grib2", "parts.grib1"):
+            values = self.same_as_written(name, LATS, LONS)
+            self.assertEqual(sorted(values), list(range(8)), name)
+            self.assertTrue((values[5] == 1024).all(), name)
+            self.assertTrue((np.abs(values[6] - 12 * 1024) < 2).all(), name)
+            off = values[7] * (180 / 32767) + 30
+            self.assertLess(np.abs(off).max(), 0.01, name)
 
     def refused(self, name, *words):
         done = reader(self.folder, name)

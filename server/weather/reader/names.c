@@ -104,7 +104,7 @@ static const struct row {
       AS_IS,
       1,
       { 10, 0, 9 },
-      " mpts swper vtm01_sw1 swper_1insequence ",
+      " mpts mpps swper vtm01_sw1 swper_1insequence ",
       " sea_surface_swell_wave_period sea_surface_primary_swell_wave_mean_"
       "period " },
     { PEL_WEATHER_SWELL_PERIOD, 2, AS_IS, 1, { 192, 140, 239 }, "", "" },
@@ -113,7 +113,7 @@ static const struct row {
       COMES_FROM,
       1,
       { 10, 0, 7 },
-      " mdts swdir vmdr_sw1 swdir_1insequence ",
+      " mdts mdps swdir vmdr_sw1 swdir_1insequence ",
       " sea_surface_swell_wave_from_direction sea_surface_primary_swell_wave_"
       "from_direction " },
     { PEL_WEATHER_SWELL_DIRECTION,
