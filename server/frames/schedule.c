@@ -88,6 +88,8 @@ struct pel_environment pel_environment_of(const struct pel_snapshot *s,
         .origin_latitude_rad = s->origin_latitude_rad,
         .origin_longitude_rad = s->origin_longitude_rad,
         .continents = true,
+        .weather = s->weather,
+        .weather_unix_s = s->epoch_unix_s + time_s + s->weather_shift_s,
     };
     env.lights[PEL_LIGHT_SUN].direction = pel_snapshot_sun(s, time_s);
     if (s->panorama) {
