@@ -108,8 +108,8 @@ float sensed_light(ivec2 at, uvec2 place)
     vec3 dir = ray / sqrt(dot(ray, ray));
     vec3 n = texelFetch(normals, at, 0).xyz;
     float light;
-    if (n == vec3(0.0) || lut.y > 0.5) {
-        light = lut.y > 0.5 ? sense[0].x : sky_heat(dir.z);
+    if (n == vec3(0.0)) {
+        light = sky_heat(dir.z);
     } else {
         bool sea = texelFetch(fresnels, at, 0).r > 0.0;
         // The mean sea is far enough away for the air before it.

@@ -98,6 +98,7 @@ pictures=(
     "water-harbour|A harbour|$lagoon water.named=HARBOUR water.depth=8 water.bottom=MUD"
     "wash-250|The wash of a container ship at 15 knots, from 250 m|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=7 sky.sunElevation=38 sky.sunAzimuth=350 clock.time=900 clock.reckoning=1000 entities.2.wash=true entities.2.model.name=container-ship entities.2.heading=60 entities.2.course=60 entities.2.speed=7.5 entities.2.poseTime=0 entities.2.latitude=52.5747 entities.2.longitude=5.1173 views.gallery.up=250 views.gallery.pitch=-24"
     "under-up|Under the surface, 1.5 m down: Snell's window, 5 m/s|$under views.gallery.up=-1.5 views.gallery.pitch=55"
+    "under-1m|1 m down over sand, tropical water|$under sea.windSpeed=6 water.named=TROPICAL water.bottom=SAND water.depth=6 views.gallery.up=-1 views.gallery.pitch=2"
     "under-10m|10 m down, looking up|$under views.gallery.up=-10 views.gallery.pitch=45"
     "under-40m|40 m down in tropical water, looking up|$under water.named=TROPICAL views.gallery.up=-40 views.gallery.pitch=40"
     "under-bottom|Sand under 5 m of tropical water, 2 m down|$under sea.windSpeed=4 water.named=TROPICAL water.bottom=SAND water.depth=5 views.gallery.up=-2 views.gallery.pitch=-12"

@@ -140,16 +140,11 @@ shaded shade_backdrop(ivec2 at)
 #if defined(PEL_NIGHT) && (defined(PEL_CLOUDS) || defined(PEL_FOG))
     light += starlight;
 #endif
-    shaded result = only_light(from_under_water(light + disc, dir.z));
+    shaded result = only_light(light + disc);
 #ifdef PEL_LAYERS
     result.depth = uintBitsToFloat(0x7F800000u); // no surface: infinity
-    bool dry = lut.y < 0.5;
-    result.sun = dry ? disc : vec3(0.0);
-    result.sky = dry ? light : vec3(0.0);
-    result.water = dry ? vec3(0.0) : result.radiance;
-#endif
-#ifdef PEL_WATER_PARTS
-    set_parts(result, water_from_below(lut.y > 0.5 ? result.radiance : vec3(0.0)));
+    result.sun = disc;
+    result.sky = light;
 #endif
     return result;
 }

@@ -618,7 +618,7 @@ PEL_BLOCK(PEL_BLOCK_EYE, eye)
 {
     vec4 eye;   /* x height above the sea, m; y dip of the horizon, rad; z angle
                    between the mesh's columns, rad; w columns around */
-    vec4 lut;   /* x height the sky tables were made for, m; y 1 under water;
+    vec4 lut;   /* x height the sky tables were made for, m;
                    z extinction of spray on the way to the sea, 1/m */
     vec4 grain; /* the eye's nadir in tiles of foam, xy, of streaks, zw */
     vec4 bends; /* x of streaks there, turns */

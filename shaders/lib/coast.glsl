@@ -61,7 +61,7 @@ float land_distance(vec3 ray, uint triangle, float ray_length)
             limit = 1e7;
         }
     }
-    return lut.y > 0.5 ? -1.0 : seabed_distance(ray / ray_length, limit);
+    return seabed_distance(ray / ray_length, limit);
 }
 
 // `shows`: PEL_SHOWS_*.

@@ -18,7 +18,7 @@ vec3 haze(vec3 dir, float range, out vec3 air)
 #endif
 #ifdef PEL_FOG
     fogged fog = fog_toward(vec3(0.0, 0.0, eye.x), dir, range);
-    float left = water.w > 0.5 || lut.y > 0.5 ? 1.0 : exp(-fog.tau);
+    float left = water.w > 0.5 ? 1.0 : exp(-fog.tau);
     // The air before it.
     vec3 before = pow(through, vec3(fog.mean / max(range, 1e-3)));
     vec3 air_before = air * ((1.0 - before) / max(1.0 - through, vec3(1e-6)));

@@ -217,8 +217,7 @@ shaded shade_object(vec3 ray, uvec2 seen)
     float range = s.t * ray_length;
     vec3 air;
     vec3 through = haze(dir, range, air);
-    shaded result = only_light(
-        from_under_water((light.by_lights + light.by_sky) * through + air, dir.z));
+    shaded result = only_light((light.by_lights + light.by_sky) * through + air);
 #ifdef PEL_LAYERS
     result.depth = range;
     result.normal = s.normal;
@@ -226,14 +225,9 @@ shaded shade_object(vec3 ray, uvec2 seen)
     result.id = facts.x + 1.0;
     result.class_ = facts.y + 1.0;
     result.albedo = light.matt;
-    bool dry = lut.y < 0.5;
-    result.sun = dry ? light.by_lights * through : vec3(0.0);
-    result.sky = dry ? light.by_sky * through : vec3(0.0);
-    result.air = dry ? air : vec3(0.0);
-    result.water = dry ? vec3(0.0) : result.radiance;
-#endif
-#ifdef PEL_WATER_PARTS
-    set_parts(result, water_from_below(lut.y > 0.5 ? result.radiance : vec3(0.0)));
+    result.sun = light.by_lights * through;
+    result.sky = light.by_sky * through;
+    result.air = air;
 #endif
     return result;
 }
@@ -247,7 +241,7 @@ bool object_in_sight(vec3 ray, uvec2 seen)
 #ifdef PEL_LAND
     float ray_length = length(ray);
     float range = cut_object(vec3(0.0), ray, seen).t * ray_length;
-    return lut.y > 0.5 || seabed_distance(ray / ray_length, range) < 0.0;
+    return seabed_distance(ray / ray_length, range) < 0.0;
 #else
     return true;
 #endif

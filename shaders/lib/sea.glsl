@@ -155,7 +155,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     sea_lit = sun_on_sea(sea_place);
     vec3 falling = beam_there(PEL_LIGHT_FIRST) * max(light_above(PEL_LIGHT_FIRST, tilt).z, 0.0);
     leaving *= 1.0 - (1.0 - sea_lit) * falling / max(falling + skies[PEL_LIGHT_FIRST].rgb, vec3(1e-12));
-    if (objects_near.z != 0 && lut.y < 0.5) {
+    if (objects_near.z != 0) {
         leaving = leaving_with_hulls(v, n_lit, light_above(PEL_LIGHT_FIRST, tilt), leaving);
     }
 #endif
@@ -201,7 +201,7 @@ shaded shade_sea(ivec2 at, uint triangle)
     clouded below_eye = clouds_toward(transmittance, dir, air, through, pixel.x / ray_length, range);
     light = below_eye.light + light * below_eye.before;
 #endif
-    shaded result = only_light(from_under_water(light, dir.z));
+    shaded result = only_light(light);
 #ifdef PEL_LAYERS
     if (wants_layer(AT_DEPTH)) {
         result.depth = ray_length * surface_distance(x, ray, t);
@@ -211,11 +211,10 @@ shaded shade_sea(ivec2 at, uint triangle)
 #if defined(PEL_FOAM) || defined(PEL_WASH)
     result.foam = foam.x;
 #endif
-    bool dry = lut.y < 0.5;
-    result.sun = dry ? parts.sun * through : vec3(0.0);
-    result.sky = dry ? parts.sky * through : vec3(0.0);
-    result.water = dry ? parts.water * through : result.radiance;
-    result.air = dry ? air : vec3(0.0);
+    result.sun = parts.sun * through;
+    result.sky = parts.sky * through;
+    result.water = parts.water * through;
+    result.air = air;
     result.slope_variance = variance_seen;
 #endif
 #ifdef PEL_WATER_PARTS
@@ -246,9 +245,6 @@ shaded shade_sea(ivec2 at, uint triangle)
     taken.second *= through;
     taken.higher *= through;
     taken.bottom *= through;
-    if (lut.y > 0.5) {
-        taken = water_from_below(result.radiance);
-    }
     set_parts(result, taken);
 #endif
     return result;

@@ -22,9 +22,3 @@ void set_parts(inout shaded s, water_light parts)
 #endif
 
 layout(binding = PEL_UNIT_EYE_TABLE) uniform sampler2DArray eye_table; // a layer a light
-
-// What an eye under the surface sees: the water's own light, more from above.
-vec3 from_under_water(vec3 radiance, float up)
-{
-    return lut.y > 0.5 ? sea_light.rgb * (PEL_WATER_INDEX * PEL_WATER_INDEX * (0.7 + 0.3 * up)) : radiance;
-}

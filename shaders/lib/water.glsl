@@ -25,12 +25,6 @@ struct water_light {
     vec3 single, second, higher, bottom;
 };
 
-// What an eye under the surface sees is not taken apart.
-water_light water_from_below(vec3 radiance)
-{
-    return water_light(vec3(0.0), vec3(0.0), radiance, vec3(0.0));
-}
-
 // Layer of a part of a light, at the first depth.
 float water_layer(int light, float part)
 {

@@ -365,6 +365,12 @@ def space_checks(folder):
         yield (f"from {r['height'] / 1e3:g} km, Sun {r['sun']}°, "
                f"{r['azimuth']}° aside", "medians ≤ 2 % beside the glint, "
                "≤ 5 % in it", ", ".join(parts), r["pass"])
+    for r in found.get("rise", ()) if found else ():
+        moves = [abs(b / a - 1) for a, b in zip(r["share"], r["share"][1:])]
+        yield (f"rows at {r['pitch']}° from {r['heights'][0] / 1e3:g} to "
+               f"{r['heights'][-1] / 1e3:g} km", "luminance moves as the "
+               "trace's, ≤ 1 % an octave", f"{100 * max(moves):.2f} %, noise "
+               f"{100 * max(r['noise']):.2f} %", r["pass"])
 
 
 CHECKS = {"sea": sea_checks, "sky": sky_checks, "water": water_checks,
