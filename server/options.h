@@ -65,6 +65,7 @@ struct pel_options {
     char exercise_ca[PEL_OPTION_TEXT];
     int exercise_rank;
     int exercise_stray;
+    double exercise_clock_ms;
     char device[PEL_OPTION_TEXT];
     double fps, quality; /* quality: 0 is auto */
     int encoder_threads;

@@ -319,5 +319,9 @@ const struct pel_option pel_developer_table[] = {
       1000000000, "", .offset = FIELD(exercise_stray),
       .help = "Makes this node's state another one before this frame of an "
               "exercise, once; 0: never." },
+    { "PELAGOS_EXERCISE_CLOCK", "developer", PEL_OPTION_DOUBLE, "MS", "0",
+      -10000, 10000, "ms", .offset = FIELD(exercise_clock_ms),
+      .help = "Pretends that this node's clock is so much ahead of the "
+              "machine's, for what it tells the others of an exercise." },
     { 0 },
 };

@@ -16,6 +16,11 @@
 #define COAST_NS 1000000000LL
 #define NAMED "a-z A-Z 0-9 . _ -"
 
+int64_t pel_cluster_unix_ns(const struct pel_cluster *c)
+{
+    return pel_unix_ns() + (int64_t)(c->options.ahead_ms * 1e6);
+}
+
 void pel_cluster_digest(const Pelagos__State *state,
                         uint8_t out[PEL_DIGEST_SIZE])
 {
@@ -65,7 +70,8 @@ void pel_cluster_lead(struct pel_cluster *c)
 void pel_cluster_show(struct pel_cluster *c, bool coasts, double further_s)
 {
     int64_t now_ns = pel_now_ns();
-    int64_t present_ns = (int64_t)c->present_unix_ns - pel_unix_ns() + now_ns;
+    int64_t present_ns =
+        (int64_t)c->present_unix_ns - pel_cluster_unix_ns(c) + now_ns;
     const struct pel_sealed sealed = {
         .snapshot = c->snapshot,
         .time_s = c->time_s + further_s,

@@ -24,8 +24,9 @@ struct pel_cluster_options {
     double rate_hz;              /* of frames, 1 to 240 */
     const char *program;         /* "pelagosd 0.2.0" */
     int wave_count;
-    uint64_t stray; /* for tests: the frame after which this node has another
-                     * state; 0: none */
+    uint64_t stray;  /* for tests: the frame after which this node has another
+                      * state; 0: none */
+    double ahead_ms; /* for tests: of our clock, before the machine's */
 };
 
 /* Looks for the exercise; meanwhile the scene is led and pictures are stale.

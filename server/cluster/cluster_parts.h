@@ -74,6 +74,7 @@ struct pel_cluster {
 };
 
 /* cluster.c */
+int64_t pel_cluster_unix_ns(const struct pel_cluster *c);
 void pel_cluster_digest(const Pelagos__State *state,
                         uint8_t out[PEL_DIGEST_SIZE]);
 void pel_cluster_know_master(struct pel_cluster *c,

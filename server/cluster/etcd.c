@@ -15,6 +15,7 @@
 #define AGAIN_MS 80     /* another attempt beside those under way */
 #define MOST_ATTEMPTS 3 /* of a request at once */
 #define REST_MS 20      /* after a failure */
+#define HOPELESS_MS 500
 #define MOST_BYTES (64u << 20)
 
 /* One exchange over HTTP: of a request, or the watch's. */
@@ -31,6 +32,8 @@ struct pel_etcd_request {
     char *body;
     GPtrArray *attempts; /* under way */
     size_t begun;
+    unsigned cut; /* attempts that the other side ended, or that do not trust
+                   * it */
     guint timer;
     pel_etcd_done done;
     void *user;
@@ -194,10 +197,17 @@ static void request_free(gpointer data)
 
 static void request_again(struct pel_etcd_request *request, guint ms);
 
+/* A handshake takes its time on this thread: where certificates do not fit it
+ * is not begun twelve times a second. */
+static bool is_hopeless(const struct pel_etcd_request *request)
+{
+    return request->cut >= MOST_ATTEMPTS;
+}
+
 static void request_try(struct pel_etcd_request *request)
 {
     struct pel_etcd *etcd = request->etcd;
-    if (request->attempts->len < MOST_ATTEMPTS) {
+    if (request->attempts->len < (is_hopeless(request) ? 1 : MOST_ATTEMPTS)) {
         size_t endpoint = (etcd->best + request->begun) % etcd->endpoint_count;
         request->begun++;
         etcd->attempts++;
@@ -205,7 +215,7 @@ static void request_try(struct pel_etcd_request *request)
                         attempt_begin(etcd, request, endpoint, "/v3/kv/txn",
                                       request->body));
     }
-    request_again(request, AGAIN_MS);
+    request_again(request, is_hopeless(request) ? HOPELESS_MS : AGAIN_MS);
 }
 
 static gboolean on_again(gpointer user)
@@ -260,7 +270,7 @@ static void request_failed(struct attempt *attempt, const char *why)
                     etcd->endpoints[attempt->endpoint], why);
     g_ptr_array_remove(request->attempts, attempt);
     if (request->attempts->len == 0) {
-        request_again(request, REST_MS);
+        request_again(request, is_hopeless(request) ? HOPELESS_MS : REST_MS);
     }
 }
 
@@ -274,6 +284,8 @@ static void request_ended(struct attempt *attempt, CURLcode code)
     enum pel_err err =
         pel_etcd_text_read(attempt->in->str, attempt->in->len, &text);
     if (code != CURLE_OK) {
+        request->cut +=
+            code != CURLE_COULDNT_CONNECT && code != CURLE_OPERATION_TIMEDOUT;
         request_failed(attempt, curl_easy_strerror(code));
     } else if (err || status != 200) {
         request_failed(attempt, text.failed ? text.why : "no answer of etcd");

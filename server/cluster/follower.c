@@ -126,7 +126,7 @@ static void looked(void *user, bool yes, uint64_t revision,
     pel_cluster_digest(pel_scene_state_at(c->scene, time_s), digest);
     pel_cluster_advance(c, view->head->number,
                         pel_scene_snapshot_at(c->scene, time_s), time_s,
-                        (uint64_t)pel_unix_ns(), 0, digest);
+                        (uint64_t)pel_cluster_unix_ns(c), 0, digest);
     c->alike =
         g_strcmp0(view->head->device, pel_frames_device(c->frames)) == 0 &&
         view->head->canary.len == PEL_DIGEST_SIZE &&
@@ -252,7 +252,7 @@ void pel_cluster_on_frame(void *user, uint64_t number,
             pel_cluster_heard(c, seal);
         }
         if (ours && c->pending.on && number == c->pending.number) {
-            pel_seals_drop(c->seals);
+            pel_seals_ignore(c->seals);
             pel_cluster_confirm(c, revision);
         } else if (!ours && number > c->number) {
             pel_cluster_step_down(c, "another node seals");

@@ -121,7 +121,7 @@ static void begin_frame(struct pel_cluster *c, Pelagos__Seal *seal)
         pel_scene_anew(c->scene, time_s);
     }
     c->pending.snapshot = pel_scene_snapshot_at(c->scene, time_s);
-    uint64_t made = (uint64_t)pel_unix_ns();
+    uint64_t made = (uint64_t)pel_cluster_unix_ns(c);
     c->pending.present_unix_ns =
         made + (uint64_t)(pel_cluster_slowest_ns(c) + DELIVERY_NS);
     seal->has_number = seal->has_time = seal->has_made = true;

@@ -12,6 +12,7 @@
 #define FORGOTTEN_NS 600000000000LL
 #define WINDOW_BEATS 10 /* the quickest seal is of so many seconds */
 #define CLOCK_MS 1.0    /* by which clocks may differ */
+#define SURE_BEATS 3    /* before that it may be a busy start */
 #define MOST_NODES 64
 /* What pel_frames_stats.present_delay_ms has for delivery. */
 #define DELIVERY_MS 40.0
@@ -76,7 +77,7 @@ void pel_cluster_on_node(void *user, const Pelagos__ClusterNode *said)
 void pel_cluster_heard(struct pel_cluster *c, const Pelagos__Seal *seal)
 {
     double took_ms =
-        (double)((int64_t)pel_unix_ns() - (int64_t)seal->made) * 1e-6;
+        (double)((int64_t)pel_cluster_unix_ns(c) - (int64_t)seal->made) * 1e-6;
     c->quickest_ms = fmin(c->quickest_ms, took_ms);
     c->quickest_next_ms = fmin(c->quickest_next_ms, took_ms);
 }
@@ -171,7 +172,7 @@ void pel_cluster_say(struct pel_cluster *c)
     int64_t now_ns = pel_now_ns();
     c->beat++;
     fill(c, &me);
-    if (me.has_clock && fabs(me.clock) > CLOCK_MS && c->beat > WINDOW_BEATS) {
+    if (me.has_clock && fabs(me.clock) > CLOCK_MS && c->beat > SURE_BEATS) {
         pel_log_limited(&limit, PEL_LOG_WARNING, "CLU-014",
                         "the clock of node %s differs by %.1f ms from the "
                         "master's, and its pictures are shown by that much "

@@ -78,6 +78,10 @@ void pel_seals_take(struct pel_seals *seals, const Pelagos__ClusterMaster *from,
 /* Nobody waits for what was asked any more. */
 void pel_seals_drop(struct pel_seals *seals);
 
+/* The same, but what was asked is let to end, so that its connection can be
+ * used again. */
+void pel_seals_ignore(struct pel_seals *seals);
+
 /* Told by events from now on: the frames after that revision of the store. */
 void pel_seals_follow(struct pel_seals *seals, uint64_t after_revision);
 /* The same by another way: this one is silent. */

@@ -91,6 +91,11 @@ void pel_seals_drop(struct pel_seals *seals)
     forget(seals);
 }
 
+void pel_seals_ignore(struct pel_seals *seals)
+{
+    seals->asked.done = NULL;
+}
+
 static bool is_value(const struct pel_etcd_kv *kv, GBytes *value)
 {
     gsize size;
@@ -127,7 +132,9 @@ static void answered(void *user, const struct pel_etcd_answer *answer)
     pel_seals_done done = seals->asked.done;
     void *to = seals->asked.user;
     forget(seals);
-    done(to, yes, revision, &view);
+    if (done) {
+        done(to, yes, revision, &view);
+    }
     for (guint i = 0; i < answer->kvs->len; i++) {
         const struct pel_etcd_kv *kv = g_ptr_array_index(answer->kvs, i);
         if (kv->key && g_str_has_prefix(kv->key, seals->nodes)) {
