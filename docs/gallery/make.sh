@@ -10,8 +10,9 @@ mkdir -p build/gallery
 for depth in 7.9 39.9; do
     docs/gallery/shore.py "build/gallery/shore-$depth.asc" "$depth"
 done
+docs/gallery/weather.py build/gallery/pacific.nc
 build/pelagosd --device software --http off --tcp off --rtsp off --modbus off --nmea off \
-    --state off --bathymetry build/gallery --unix "$socket" --log-level warning &
+    --state off --bathymetry build/gallery --weather build/gallery --unix "$socket" --log-level warning &
 daemon=$!
 trap 'kill $daemon 2>/dev/null; wait $daemon 2>/dev/null || true' EXIT
 ctl() { build/pelagosctl --quiet --timeout 60 --server "unix:$socket" "$@"; }
@@ -71,6 +72,7 @@ pictures=(
     "space-400|From 400 km, over the Mediterranean|origin.latitude=38.5 origin.longitude=12 sky.visibility=80000 sky.sunElevation=50 sky.sunAzimuth=150 sky.cloudCover=4 views.gallery.up=400000 views.gallery.pitch=-30 views.gallery.yaw=100 views.gallery.fieldOfView=70"
     "space-400-sunset|From 400 km: the glitter of a low Sun and the limb|origin.latitude=20 origin.longitude=-150 sky.visibility=80000 sky.sunElevation=12 sky.sunAzimuth=40 views.gallery.up=400000 views.gallery.pitch=-19 views.gallery.yaw=40 views.gallery.fieldOfView=60 sky.cloudCover=4"
     "space-earth|The Earth from 10,000 km: day, terminator, night|origin.latitude=18 origin.longitude=-15 sky.visibility=80000 sky.sunElevation=35 sky.sunAzimuth=250 sky.cloudCover=4 views.gallery.up=10000000 views.gallery.pitch=-90 views.gallery.yaw=0 views.gallery.fieldOfView=52 views.gallery.height=640"
+    "space-weather|From 5,000 km: winds by a weather field, a storm with its calm eye in the Sun's glitter|origin.latitude=18 origin.longitude=-152 sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.field.file=pacific.nc sea.field.leads=false sky.visibility=80000 sky.sunElevation=62 sky.sunAzimuth=150 views.gallery.up=5000000 views.gallery.pitch=-90 views.gallery.fieldOfView=56 views.gallery.height=480"
     "fft|FFT cascades, Elfouhaily, wind 12 m/s, from 9 m|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=12 views.gallery.up=9"
     "fft-glitter|The same into the Sun|sea.synthesiser=FFT sea.spectrum=ELFOUHAILY sea.windSpeed=7 sky.sunElevation=25 sky.sunAzimuth=10"
     "slick-30|A slick in the glitter, a gust behind it, from 30 m|$slick sky.sunElevation=25 views.gallery.up=30 views.gallery.pitch=-8"
@@ -122,7 +124,8 @@ mkdir -p "$out"
     echo
     echo "The shores are made by"
     echo "\`docs/gallery/shore.py build/gallery/shore-7.9.asc 7.9\` (and 39.9), for"
-    echo "a daemon with \`--bathymetry build/gallery\`."
+    echo "a daemon with \`--bathymetry build/gallery\`; the winds by"
+    echo "\`docs/gallery/weather.py build/gallery/pacific.nc\`, for \`--weather build/gallery\`."
 } > "$out/README.md"
 for picture in "${pictures[@]}"; do
     IFS='|' read -r name title settings <<< "$picture"
