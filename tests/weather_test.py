@@ -277,9 +277,10 @@ class Sea(unittest.TestCase):
         self.assertEqual(answer.status, status, answer)
         return answer.json()
 
-    def begin(self, daemon, mode="STEPPED", ship=SHIP, file="front"):
+    def begin(self, daemon, mode="STEPPED", ship=SHIP, file="front",
+              utc=START, time=0):
         self.ask(daemon, "PATCH", "/v1/state", {
-            "clock": {"mode": mode, "utc": START, "time": 0},
+            "clock": {"mode": mode, "utc": utc, "time": time},
             "origin": {"latitude": 52.6, "longitude": 3.4},
             "entities": {"1": ship},
             "views": {"bridge": {"width": 160, "height": 90}},
@@ -413,12 +414,17 @@ class Sea(unittest.TestCase):
 
     def test_no_jump(self):
         """Heights of one moment before and after the sea follows the field,
-        where a fast ship crosses a front."""
+        where a fast ship crosses a front, after five days: by then the least
+        change of a frequency would have turned every phase."""
+        days = 5 * 86400
         with Daemon("--weather", self.folder) as daemon:
-            self.begin(daemon, ship=dict(SHIP, speed=200, longitude=4.3))
+            self.ask(daemon, "PATCH", "/v1/state", {
+                "clock": {"mode": "STEPPED", "time": days}})
+            self.begin(daemon, ship=dict(SHIP, speed=200, longitude=4.3),
+                       utc="2026-06-16T12:30:00Z", time=days)
             self.settled(daemon)
             worst, renewed = 0, set()
-            for t in range(1, 13):
+            for t in range(days + 1, days + 13):
                 self.step(daemon, t - 0.05)
                 before = self.heights(daemon, t)
                 self.step(daemon, t)
