@@ -201,7 +201,8 @@ static void request_again(struct pel_etcd_request *request, guint ms);
  * is not begun twelve times a second. */
 static bool is_hopeless(const struct pel_etcd_request *request)
 {
-    return request->cut >= MOST_ATTEMPTS;
+    return request->cut > MOST_ATTEMPTS &&
+           g_str_has_prefix(request->etcd->endpoints[0], "https://");
 }
 
 static void request_try(struct pel_etcd_request *request)
