@@ -296,6 +296,21 @@ class Parquet(unittest.TestCase):
         self.assertEqual(read[1], rows)
 
 
+def size_of(path):
+    try:
+        return os.path.getsize(path)
+    except OSError:  # it is whole by now
+        return 0
+
+
+def is_gone(pid):
+    try:
+        with open(f"/proc/{pid}/stat", encoding="latin-1") as f:
+            return f.read().rpartition(")")[2].split()[0] == "Z"
+    except OSError:
+        return True
+
+
 def family(pid):
     """The process's descendants, by their ids."""
     parents = {}
@@ -335,7 +350,7 @@ class Sets(unittest.TestCase):
     def disturb(cls):
         """Runs it with workers, daemons and the whole of it killed; what was
         killed."""
-        dice, killed = random.Random(5), []
+        dice, killed, cls.seen = random.Random(5), [], {}
         command = [os.path.join(BIN, "pelagosctl"), "dataset", "run",
                    cls.path, "-o", cls.wild, "--workers", "2", "--quiet",
                    "--no-estimate"]
@@ -355,27 +370,36 @@ class Sets(unittest.TestCase):
                         cls.folder, "log").read_text())
 
     @classmethod
+    def parts(cls):
+        """Shards that are not whole."""
+        return pathlib.Path(cls.wild, "shards").glob(".*")
+
+    @classmethod
     def kill_one(cls, pid, dice, killed):
-        """One of the run's processes, once something is half done."""
-        shards = pathlib.Path(cls.wild, "shards")
-        half = [p for p in shards.glob(".*") if p.stat().st_size] \
-            if shards.is_dir() else []
+        """One of the run's processes: a worker, a daemon, or all of it, once
+        one has a shard half done that is more than at the last kill. (A worker
+        gives up where its daemon ends three times at one frame.)"""
+        ours = family(pid)
+        sizes = {p: size_of(p) for p in cls.parts()}
+        half = [p for p, size in sizes.items() if size > cls.seen.get(p, 0)
+                and p.suffix[1:].isdigit() and int(p.suffix[1:]) in ours]
         if not half:
             time.sleep(0.01)
             return
         time.sleep(dice.uniform(0, 0.6))
-        victims = [pid] if dice.random() < 0.2 else family(pid)
-        victim = dice.choice(victims or [pid])
+        workers = [int(p.suffix[1:]) for p in half]
+        victim = dice.choice(dice.choices(
+            [[pid], workers, [p for w in workers for p in family(w)] or [pid]],
+            [1, 2, 2])[0])
         try:
             name = pathlib.Path(f"/proc/{victim}/comm").read_text().strip()
             os.kill(victim, signal.SIGKILL)
         except OSError:
             return
+        cls.seen = sizes
         killed.append("all of it" if victim == pid else name)
         # Not the same again before anything has begun.
-        until("it is gone", lambda: not os.path.exists(f"/proc/{victim}")
-              or victim == pid or "Z" in pathlib.Path(
-                  f"/proc/{victim}/stat").read_text(), 30)
+        until("it is gone", lambda: is_gone(victim), 30)
 
     def test_the_estimate_comes_first(self):
         self.assertRegex(self.said, r"measured on \d+ of its frames: \d+ ms "
