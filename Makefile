@@ -202,7 +202,8 @@ $(O)/flags: FORCE
 .PHONY: FORCE
 $(TEST_BIN) $(fuzz_bin) $(addprefix $(O)/bin/,pelagosd pelagosd-starved pelagosctl \
     pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents pelagos-weather drawmodel registers_doc cigi_doc nmea_doc bench still bench_streams \
-    bench_devices any_raster rhythm validate_water seatrace airtrace airours shiptrace undertrace spacetrace cloudtrace): $(O)/flags
+    bench_devices any_raster rhythm validate_water seatrace airtrace airours shiptrace undertrace spacetrace cloudtrace): $(O)/flags \
+    $(if $(filter asan,$(FLAVOR)),$(OBJ)/tests/lib/loading.o)
 
 $(O)/bin/pelagosd: $(call obj,$(DAEMON)) $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS)
@@ -473,7 +474,7 @@ mutate: deps ## break MUTANTS (200) lines at random, see which tests notice (SEE
 .PHONY: asan
 asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
 	$(Q)$(MAKE) -s --no-print-directory FLAVOR=asan all tests
-	$(Q)ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1:fast_unwind_on_malloc=0 \
+	$(Q)ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1 \
 	    LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
 	    UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
 	    PELAGOS_BIN=$(CURDIR)/build/asan/bin \
@@ -712,8 +713,10 @@ format: ## rewrite the C sources as .clang-format says
 FUZZ_SECONDS ?= 60
 define fuzz_rule
 $(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(OBJ)/libserver.a
-	$$(LINK) -fsanitize=fuzzer $$(PKG_LIBS)
+	$$(LINK) -fsanitize=fuzzer $$(PKG_LIBS) $$(FUZZ_LIBS)
 endef
+$(O)/bin/fuzz_coast: $(call obj,server/continents/reader/coastlines.c)
+$(O)/bin/fuzz_coast: FUZZ_LIBS = $(SPECTRUM_LIBS)
 $(foreach t,$(FUZZERS),$(eval $(call fuzz_rule,$(t))))
 
 .PHONY: fuzz

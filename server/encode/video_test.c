@@ -13,16 +13,6 @@
 
 #include "base/clock.h"
 
-#ifdef __SANITIZE_ADDRESS__
-/* GLib leaves its first table of words when GStreamer's make it grow; only the
- * slow unwinder sees that it was GLib, as tests/lsan.supp says. */
-const char *__asan_default_options(void) __attribute__((visibility("default")));
-const char *__asan_default_options(void)
-{
-    return "fast_unwind_on_malloc=0";
-}
-#endif
-
 /* A picture that moves and has detail. */
 static void paint(uint8_t *rgba, uint32_t width, uint32_t height, int frame)
 {
