@@ -28,7 +28,9 @@ parsers=(proto/json.c proto/jsonread.c proto/patch.c proto/path.c
     server/bridges/console_table.c server/bridges/modbus_adu.c
     server/bridges/modbus_map.c server/bridges/nmea_parse.c
     server/bridges/nmea_values.c server/bridges/nmea_targets.c
-    server/scene/metar.c server/scene/edit.c)
+    server/scene/metar.c server/scene/edit.c server/scene/viewplace.c
+    server/scene/waypoints.c server/scene/cameras.c
+    server/continents/reader/coastlines.c)
 llvm-cov export -summary-only "${objects[@]:1}" \
     -instr-profile="$out/all.profdata" "${parsers[@]}" >"$out/summary.json"
 /usr/bin/python3 - "$out/summary.json" <<'END' | tee "$out/report.txt"

@@ -10,13 +10,28 @@
 #include "scene/check.h"
 #include "scene/edit.h"
 
+static inline bool fuzz_vector(struct pel_vec3 v)
+{
+    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
+}
+
+/* Somewhere, and not bent, whenever it is asked. */
 static inline void fuzz_cameras(const struct pel_snapshot *s)
 {
-    struct pel_camera camera;
-    for (size_t i = 0; i < s->view_count; i++) {
-        pel_snapshot_camera(s, i, 100, 0, 0, &camera);
-        if (!isfinite(camera.east_m) || !isfinite(camera.tan_top) ||
-            !isfinite(camera.world_from_camera.z.y)) {
+    static const double times[] = { 0, 100, 3e8 };
+    for (size_t k = 0; k < 3 * s->view_count; k++) {
+        struct pel_camera c;
+        pel_snapshot_camera(s, k / 3, times[k % 3], 0, 0, &c);
+        const struct pel_mat3 *axes = &c.world_from_camera;
+        if (!isfinite(c.east_m) || !isfinite(c.north_m) ||
+            !isfinite(c.altitude_m) || !isfinite(c.tan_top) ||
+            !fuzz_vector(c.velocity_mps) || !fuzz_vector(axes->z) ||
+            fabs(pel_vec3_dot(axes->x, axes->x) - 1) > 1e-9 ||
+            fabs(pel_vec3_dot(axes->y, axes->z)) > 1e-9) {
+            abort();
+        }
+        pel_snapshot_camera_in_wakes(s, k / 3, times[k % 3], &c);
+        if (!isfinite(c.east_m) || !isfinite(c.altitude_m)) {
             abort();
         }
     }

@@ -5,6 +5,7 @@ import pathlib
 import re
 import struct
 import sys
+from json import dumps
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent)]
@@ -430,10 +431,86 @@ def metar_seeds():
         yield f"{i}", text
 
 
+# --- cameras ------------------------------------------------------------------
+
+def camera_seeds():
+    here = {"latitude": 52.7, "longitude": 5.1}
+    pole, far = {"latitude": 90, "longitude": 7}, {"latitude": -33,
+                                                   "longitude": 179.9}
+    ways = [dict(p, time=t, height=h, heading=c) for p, t, h, c in (
+        (here, 50, 10, 350), (here, 99, 1e3, 10), (far, 101, 4e5, -170),
+        (pole, 1e6, -5, 90))]
+    places = [{"at": here}, {"at": dict(far, height=1e7)}, {"at": pole},
+              {"at": {"latitude": 3}}, {"orbit": here}, {"orbit": {"entity": 1}},
+              {"orbit": dict(pole, radius=1e7, elevation=90, period=-60)},
+              {"orbit": {"entity": 9}}, {"orbit": dict(here, period=0)},
+              {"orbit": dict(here, entity=1)}, {"orbit": {}},
+              {"satellite": {}}, {"satellite": {"inclination": 180, "node": 9,
+                                                "period": 60, "phase": -3}},
+              {"waypoints": ways}, {"waypoints": ways[:1]},
+              {"waypoints": ways[::-1]}, {"waypoints": [{"time": 3}]},
+              {"waypoints": ways * 17}, {"entity": 1}, {"entity": 1, "at": here},
+              {"satellite": {}, "waypoints": ways}]
+    looks = [None, here, {"entity": 1, "height": 5}, {"entity": 9},
+             dict(here, entity=1), {"height": 3}, dict(far, height=-1e4)]
+    for i, place in enumerate(places):
+        for k, look in enumerate(looks if i != 19 else looks[:1]):
+            view = dict(place, yaw=i, **({"lookAt": look} if look else {}))
+            yield f"camera-{i}-{k}", dumps({"views": {"bridge": dict(
+                {"entity": None}, **view)}})
+    yield "meters", dumps({"views": {
+        f"m{i}": dict(places[i], meter="same") for i in (0, 1, 4, 11, 13)}})
+    yield "moved", dumps({
+        "origin": {"latitude": -89.9, "longitude": 0},
+        "views": {f"m{i}": places[i] for i in (0, 1, 2, 4, 6, 12, 13)}})
+
+
+# --- coastlines ---------------------------------------------------------------
+
+def coast(pieces, bins=((0, 0),), minutes=1200, across=18, odd=0, level=1):
+    """As fuzz_coast.c reads it: (first segment, how many) of each bin; each
+    piece a list of (longitude, latitude) in it, 0 to 65535."""
+    firsts, points = [], []
+    for piece in pieces:
+        firsts.append(len(points))
+        points += piece
+    out = bytes([odd, len(bins) - 1, len(pieces) - 1, len(points) - 1])
+    out += struct.pack("<HH", minutes, across)
+    out += b"".join(struct.pack("<H", b[0]) for b in bins)
+    out += bytes(b[1] for b in bins)
+    out += b"".join(struct.pack("<I", len(p) << 9 | level << 6)[:3]
+                    for p in pieces)
+    out += b"".join(struct.pack("<H", f) for f in firsts)
+    return out + b"".join(struct.pack("<H", p[k])
+                          for k in range(2) for p in points)
+
+
+def coast_seeds():
+    square = [(9000, 9000), (50000, 9000), (50000, 50000), (9000, 50000),
+              (9000, 9000)]
+    lake = [(20000, 20000), (30000, 20000), (30000, 30000), (20000, 20000)]
+    one = ((0, 1),)
+    yield "square", coast([square], one)
+    yield "lake", coast([square, lake], ((0, 2),))
+    yield "open", coast([square[:3]], one)
+    yield "grounded", coast([square], one, level=6)
+    # Over the meridian at which lines begin, over the equator, to the pole.
+    yield "pacific", coast([square], ((0, 0),) * 80 + one)
+    yield "all", coast([square], ((0, 0),) * 8 + one, minutes=10800, across=2)
+    yield "world", coast([square], one, minutes=21600, across=1)
+    yield "huge", coast([square, lake], ((0, 2),) * 2, minutes=65535)
+    yield "beyond", coast([square], ((7, 3),))
+    yield "shared", coast([square], one * 9)
+    yield "points-beyond", coast([square], one)[:-25]
+    for odd in (*range(1, 9), *range(16, 24)):
+        yield f"odd-{odd}", coast([square], one, odd=odd)
+
+
 SEEDS = {"cigi": cigi_seeds, "nmea": nmea_seeds, "modbus": modbus_seeds,
          "protobuf": protobuf_seeds, "session": session_seeds,
          "live": live_seeds, "http": http_seeds, "path": path_seeds,
-         "rtsp": rtsp_seeds, "metar": metar_seeds}
+         "rtsp": rtsp_seeds, "metar": metar_seeds, "json": camera_seeds,
+         "coast": coast_seeds}
 
 
 def main():
