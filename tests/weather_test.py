@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Weather as a field: files of others, the sea at own ship that follows them,
 voyages, replays and restarts; files that are not what they seem."""
+import datetime
 import glob
 import json
 import math
@@ -17,7 +18,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import weather_forecast as forecast
-from pelagos_daemon import BIN, SLOW_S, Daemon, until
+from pelagos_daemon import BIN, ROOT, SLOW_S, Daemon, until
 
 READER = os.path.join(BIN, "pelagos-weather")
 START = "2026-06-21T12:30:00Z"
@@ -491,6 +492,48 @@ class Sea(unittest.TestCase):
             parts += self.voyage(daemon, 20, 40)
         self.assertEqual(whole, parts)
         self.assertGreater(len({s["windSpeed"] for s, _ in whole}), 3)
+
+    def test_rewind(self):
+        """An exercise that is rewound has the sea of that moment again, and
+        from there the same seas."""
+        rising = {"u10": lambda a, o, h: 3 + 9 * h + 0 * a + 0 * o,
+                  "v10": lambda a, o, h: 0 * a + 0 * o,
+                  "swh": lambda a, o, h: 1 + h + 0 * a + 0 * o,
+                  "pp1d": lambda a, o, h: 8 + 0 * a + 0 * o,
+                  "mwd": lambda a, o, h: 250 + 0 * a + 0 * o}
+        forecast.write_netcdf(os.path.join(self.folder, "rising.nc"), rising,
+                              *forecast.grid(-180, 90, 72, 37, 5), HOURS)
+        exercises = os.path.join(ROOT, "clients/exercises")
+        with Daemon("--weather", self.folder,
+                    f"--exercises={exercises}") as daemon:
+            command = lambda **c: self.ask(daemon, "POST", "/v1/exercise", c)
+            self.ask(daemon, "PATCH", "/v1/state",
+                     {"clock": {"mode": "STEPPED"}})
+            command(action="LOAD", name="blackout")
+            until("it is loaded", lambda: daemon.state()["exercise"]["phase"]
+                  == "READY")
+            clock = daemon.state()["clock"]
+            begins = datetime.datetime.fromisoformat(
+                clock["utc"].replace("Z", "+00:00")).timestamp()
+            self.ask(daemon, "PATCH", "/v1/state", {"sea": {
+                "spectrum": "JONSWAP", "synthesiser": "FFT",
+                "field": {"file": "rising.nc", "shift":
+                          forecast.NOON_UNIX_S + 600 - begins
+                          - clock["time"]}}})
+            self.settled(daemon)
+            command(action="START")
+            seas = []
+            for t in range(10, 50, 10):
+                self.step(daemon, clock["time"] + t)
+                seas.append(daemon.state()["sea"])
+            command(action="REWIND", time=10)
+            self.assertEqual(daemon.state()["sea"], seas[0])
+            command(action="START")
+            now = daemon.state()["clock"]["time"]
+            for i in range(1, 4):
+                self.step(daemon, now + 10 * i)
+                self.assertEqual(daemon.state()["sea"], seas[i])
+            self.assertEqual(len({s["windSpeed"] for s in seas}), 4)
 
     def replayed(self, log, times):
         with Daemon("--weather", self.folder) as daemon:
