@@ -214,7 +214,8 @@ class WeatherField(Record):
     longitude: float | None = _field(None, 'deg', -180, 180)
     #: Whether the file has that place and time.
     #: One of INSIDE, BEFORE, AFTER, OUTSIDE.
-    place: str | None = _field(None)
+    place: str | None = _field(None,
+        words="INSIDE BEFORE AFTER OUTSIDE")
     #: Whether it has numbers there, not land or ice, whose are the nearest
     #: coast's.
     known: bool | None = _field(None)
