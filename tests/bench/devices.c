@@ -321,14 +321,19 @@ static void *draw_alone(void *argument)
         struct pel_environment env = pel_environment_of(s, time_s);
         pel_environment_light(s, &env);
         env.sea = pel_snapshot_sea(s);
-        for (int i = 0; i < self->views && atomic_load(&drawing); i++) {
-            struct pel_draw draw = { .layers = PEL_LAYER_COLOR };
+        /* At once, as the daemon's render threads do. */
+        struct pel_draw draws[PEL_MAX_VIEWS];
+        for (int i = 0; i < self->views; i++) {
+            draws[i] = (struct pel_draw){ .layers = PEL_LAYER_COLOR };
             pel_snapshot_camera(s, first + (size_t)i, time_s, 0, 0,
-                                &draw.camera);
-            while (pel_renderer_submit(r, &env, &draw, 1) == PEL_ERR_BUSY) {
-                take(self, r, 100000000);
-            }
-            take(self, r, 0);
+                                &draws[i].camera);
+        }
+        while (pel_renderer_submit(r, &env, draws, (size_t)self->views) ==
+               PEL_ERR_BUSY) {
+            take(self, r, 100000000);
+        }
+        while (pel_renderer_in_flight(r) > (size_t)self->views) {
+            take(self, r, 100000000);
         }
     }
     while (pel_renderer_in_flight(r) > 0) {
