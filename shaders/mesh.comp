@@ -3,6 +3,7 @@
 // counted from east. A vertex depends on the eye, its ring and its column
 // only, so all views from one eye see one surface.
 #include "lib/blocks.h"
+#include "lib/together.glsl"
 #include "lib/turns.glsl"
 #include "lib/vertex.glsl"
 #ifdef PEL_AREAS
@@ -28,28 +29,31 @@ layout(std430, binding = PEL_STORE_VERTICES) buffer vertices_block { vertex vert
 // Radius of each ring and the length of its cells.
 layout(std430, binding = PEL_STORE_RINGS) readonly buffer rings_block { vec2 rings[]; };
 
+#ifndef PEL_TOGETHER
 layout(location = 0) uniform int block_count;
 layout(location = 1) uniform ivec4 blocks[PEL_MESH_MAX_BLOCKS]; // first ring, rings, first column, columns
 layout(location = 1 + PEL_MESH_MAX_BLOCKS) uniform int bases[PEL_MESH_MAX_BLOCKS];   // first vertex
+#endif
 
 void main()
 {
+    take_view();
     int v = int(gl_GlobalInvocationID.x);
     int b = 0;
-    while (b + 1 < block_count && v >= bases[b + 1]) {
+    while (b + 1 < MESH_BLOCKS && v >= MESH_BASE(b + 1)) {
         b++;
     }
-    ivec4 block = blocks[b];
-    int index = v - bases[b];
+    ivec4 block = MESH_BLOCK(b);
+    int index = v - MESH_BASE(b);
     if (index >= block.y * block.w) {
         return;
     }
     int row = index / block.w;
     int place_in_row = index % block.w;
     int ring = block.x + row;
-    int column = (block.z + place_in_row) % int(eye.w);
-    vec2 r = rings[ring];
-    float angle = float(column) * eye.z;
+    int column = (block.z + place_in_row) % COLUMNS_AROUND;
+    vec2 r = rings[FIRST_RING + ring];
+    float angle = float(column) * COLUMN_ANGLE;
     vec2 x = r.x * vec2(cos(angle), sin(angle));
 #ifdef PEL_FFT
     vec3 shift = cascade_shift(x, r.y);
@@ -96,6 +100,6 @@ void main()
     float half_arc = 0.5 * r.x / planet.x;
     float drop = 2.0 * planet.x * sin(half_arc) * sin(half_arc);
     vec3 place = vec3(x * cos(half_arc), -drop - eye.x);
-    vertices[v].position = vec4(place + shift, float(block.w));
-    vertices[v].rest = vec4(x, float(beside | uint(b) << VERTEX_BLOCK), float(ring));
+    vertices[FIRST_VERTEX + v].position = vec4(place + shift, float(block.w));
+    vertices[FIRST_VERTEX + v].rest = vec4(x, float(beside | uint(b) << VERTEX_BLOCK), float(ring));
 }

@@ -6,6 +6,7 @@
 #ifdef PEL_SPACE_WINDS
 #include "lib/windhere.glsl"
 #endif
+#include "lib/together.glsl"
 #include "lib/sky.glsl"
 #include "lib/clouds.glsl"
 #include "lib/fog.glsl"
@@ -34,6 +35,18 @@ layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 #ifdef PEL_UNDER
 #include "lib/underlight.glsl"
 #endif
+#ifdef PEL_TOGETHER
+#define meter all_sighted[gl_WorkGroupID.z].meter
+#define rod all_sighted[gl_WorkGroupID.z].rod
+#define sights all_sighted[gl_WorkGroupID.z].sights
+#define out_exposure exposed[gl_WorkGroupID.z].exposure
+#define out_exposing exposed[gl_WorkGroupID.z].exposing
+#define out_rods exposed[gl_WorkGroupID.z].rods
+#define out_glare exposed[gl_WorkGroupID.z].glare
+layout(std430, binding = PEL_STORE_EXPOSURE) writeonly buffer out_block {
+    pel_shader_exposure exposed[PEL_TOGETHER_MOST];
+};
+#else
 #ifdef PEL_SPACE
 layout(location = 0) uniform float form_share; // of the form from high up; 1: all
 layout(std430, binding = PEL_STORE_EXPOSURE) buffer out_block {
@@ -45,6 +58,7 @@ layout(std430, binding = PEL_STORE_EXPOSURE) writeonly buffer out_block {
     vec4 out_rods;
     pel_shader_glare out_glare[PEL_GLARES];
 };
+#endif
 
 shared vec3 partial[PEL_GROUP_LINE];
 #ifdef PEL_SPACE

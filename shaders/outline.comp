@@ -1,6 +1,7 @@
 #version 450 core
 // Lists the pixels that outlines cut.
 #include "lib/blocks.h"
+#include "lib/together.glsl"
 #include "lib/sky.glsl"
 #include "lib/ray.glsl"
 #include "lib/cut.glsl"
@@ -9,6 +10,21 @@
 #include "lib/edge.glsl"
 
 layout(local_size_x = PEL_GROUP_LINE) in;
+#ifdef PEL_TOGETHER
+// Of outline_find.comp.
+layout(std430, binding = PEL_STORE_SUSPECTS) restrict readonly buffer suspects_block {
+    uint suspect_groups[4];
+    uint suspect_counts[PEL_TOGETHER_MOST];
+    uint suspects[];
+};
+layout(std430, binding = PEL_STORE_EDGES) restrict buffer edges_block {
+    uint groups[4]; // of outline_together.comp
+    uint counts[PEL_TOGETHER_MOST];
+    uvec2 edges[];
+};
+#define suspect_count suspect_counts[gl_WorkGroupID.z]
+#define count counts[gl_WorkGroupID.z]
+#else
 // Of outline_find.comp.
 layout(std430, binding = PEL_STORE_SUSPECTS) restrict readonly buffer suspects_block {
     uint suspect_groups[3];
@@ -20,21 +36,27 @@ layout(std430, binding = PEL_STORE_EDGES) restrict buffer edges_block {
     uint count;
     uvec2 edges[];
 };
+#endif
 
 void main()
 {
+    take_view();
     if (gl_GlobalInvocationID.x >= suspect_count) {
         return;
     }
-    uint place = suspects[gl_GlobalInvocationID.x];
+    uint place = suspects[FIRST_PIXEL + gl_GlobalInvocationID.x];
     ivec2 at = ivec2(place & 0xFFFFu, place >> 16);
     upright p = upright_at(at);
     vec2 parts = parts_of_neighbours(at, p);
     if (parts.x + parts.y > 0.0) {
         uint entry = atomicAdd(count, 1u);
         if (entry % uint(PEL_GROUP_LINE) == 0u) {
+#ifdef PEL_TOGETHER
+            atomicMax(groups[0], entry / uint(PEL_GROUP_LINE) + 1u);
+#else
             atomicAdd(groups[0], 1u);
+#endif
         }
-        edges[entry] = edge_of(at, p.up, parts);
+        edges[FIRST_PIXEL + entry] = edge_of(at, p.up, parts);
     }
 }

@@ -2,9 +2,24 @@
 // Lists the pixels that outlines may cut, eight below each other at once: where
 // the numbers of neighbouring triangles lie at least a ring apart.
 #include "lib/blocks.h"
+#include "lib/together.glsl"
 #include "lib/triangles.glsl"
 
 layout(local_size_x = PEL_GROUP_LINE) in;
+#ifdef PEL_TOGETHER
+uvec2 apart_of(int i)
+{
+    uvec4 pair = PEL_OWN.apart[i >> 1];
+    return (i & 1) == 0 ? pair.xy : pair.zw;
+}
+#define sideways (PEL_OWN.picture.w != 0u)
+layout(std430, binding = PEL_STORE_SUSPECTS) restrict buffer suspects_block {
+    uint groups[4]; // of outline.comp, for the view that has most
+    uint counts[PEL_TOGETHER_MOST];
+    uint suspects[];
+};
+#define count counts[gl_WorkGroupID.z]
+#else
 // From x on, triangles of numbers y apart have a ring between theirs.
 layout(location = 0) uniform uvec2 apart[PEL_OUTLINE_BLOCKS];
 layout(location = 0 + PEL_OUTLINE_BLOCKS + 1) uniform bool sideways; // neighbours to the left and right count
@@ -15,20 +30,31 @@ layout(std430, binding = PEL_STORE_SUSPECTS) restrict buffer suspects_block {
     uint suspects[];
 };
 
+uvec2 apart_of(int i)
+{
+    return apart[i];
+}
+#endif
+
 bool are_apart(uint a, uint b)
 {
     uint far = max(a, b);
-    uint least = apart[0].y;
+    uint least = apart_of(0).y;
     for (int i = 1; i < PEL_OUTLINE_BLOCKS; i++) {
-        least = far >= apart[i].x ? apart[i].y : least;
+        least = far >= apart_of(i).x ? apart_of(i).y : least;
     }
     return far - min(a, b) >= least;
 }
 
 void main()
 {
+    take_view();
+#ifdef PEL_TOGETHER
+    int margin = int(PEL_OWN.picture.x);
+    ivec4 region = ivec4(margin, margin, ivec2(size.xy) - margin);
+#endif
     ivec2 first = region.xy + ivec2(gl_GlobalInvocationID.xy) * ivec2(1, PEL_OUTLINE_ROWS);
-    if (first.x >= region.z) {
+    if (first.x >= region.z || first.y >= region.w) {
         return;
     }
     // Rings lie above each other in their order: what is within one at the ends
@@ -63,6 +89,6 @@ void main()
     uint place = atomicAdd(count, many);
     atomicMax(groups[0], (place + many - 1u) / uint(PEL_GROUP_LINE) + 1u);
     for (; found != 0u; found &= found - 1u) {
-        suspects[place++] = uint(first.y + findLSB(found)) << 16 | uint(first.x);
+        suspects[FIRST_PIXEL + place++] = uint(first.y + findLSB(found)) << 16 | uint(first.x);
     }
 }

@@ -9,6 +9,7 @@
 #include "lib/tone.glsl"
 #endif
 #include "lib/edge.glsl"
+#include "lib/mixed.glsl"
 
 layout(local_size_x = PEL_GROUP_LINE) in;
 // Of outline.comp.
@@ -31,18 +32,11 @@ vec4 mix_of(uvec2 edge)
 {
     ivec2 at = edge_place(edge);
     ivec2 up = edge_up(edge);
-    vec2 parts = unpackUnorm2x16(edge.y);
     float own = imageLoad(radiance, at).w;
-    float lower = imageLoad(radiance, at - up).w;
-    float upper = imageLoad(radiance, at + up).w;
-    // Land hides waves and their outlines; samples antialias objects.
-    bool clear = abs(own) == 1.0;
-    parts.x = clear && lower == PEL_SHOWS_SEA ? parts.x : 0.0;
-    parts.y = own == PEL_SHOWS_SEA && abs(upper) == 1.0 ? parts.y : 0.0;
-    vec3 light = (1.0 - parts.x - parts.y) * imageLoad(plane, at).rgb;
-    light += parts.y > 0.0 ? parts.y * imageLoad(plane, at + up).rgb : vec3(0.0);
-    light += parts.x > 0.0 ? parts.x * imageLoad(plane, at - up).rgb : vec3(0.0);
-    return vec4(light, own);
+    vec2 parts = parts_mixed(edge, own, imageLoad(radiance, at - up).w, imageLoad(radiance, at + up).w);
+    vec3 below = parts.x > 0.0 ? imageLoad(plane, at - up).rgb : vec3(0.0);
+    vec3 above = parts.y > 0.0 ? imageLoad(plane, at + up).rgb : vec3(0.0);
+    return vec4(mixed_light(parts, imageLoad(plane, at).rgb, below, above), own);
 }
 #endif
 
@@ -56,7 +50,7 @@ void main()
     ivec2 at = edge_place(edges[i]);
     imageStore(plane, at, mixed[i]);
     if (toned) {
-        imageStore(color_image, at, vec4(display(mixed[i].rgb, at), 1.0));
+        imageStore(color_image, at, unpackUnorm4x8(packed_color(display(mixed[i].rgb, at))));
     }
 #else
     mixed[i] = mix_of(edges[i]);

@@ -6,6 +6,7 @@
 // outwards, and as long as the surface does not fold (ocean/cascade.h,
 // ocean/sea.h) a ray crosses them in that order.
 #include "lib/blocks.h"
+#include "lib/together.glsl"
 #include "lib/vertex.glsl"
 
 layout(local_size_x = PEL_GROUP_LINE) in;
@@ -13,8 +14,13 @@ layout(std430, binding = PEL_STORE_VERTICES) restrict readonly buffer vertices_b
 // Of each pixel: all ones less the triangle's number; 0 where there is none.
 layout(std430, binding = PEL_STORE_KEYS) restrict buffer keys_block { uint keys[]; };
 
+#ifdef PEL_TOGETHER
+#define vertex_count int(PEL_OWN.first.w)
+const int both_sides = 0;
+#else
 layout(location = 0) uniform int vertex_count;
 layout(location = 1) uniform int both_sides; // 1: also the surface's underside
+#endif
 
 const float NEAR = 0.05;
 const int FAR_OUT = 1 << 22; // 1/256 px; corners beyond are cut by rays instead
@@ -33,7 +39,7 @@ shared uint large_count;
 
 vec3 from_camera(int i)
 {
-    vec3 p = vertices[i].position.xyz;
+    vec3 p = vertices[FIRST_VERTEX + i].position.xyz;
     return vec3(dot(p, right.xyz), -dot(p, up.xyz), -dot(p, back.xyz));
 }
 
@@ -69,11 +75,11 @@ bool corners_of(uint number, out corners t)
     uint id = number - 1u;
     int i = int(id >> 1u);
     const uint NEEDS = VERTEX_LEFT | VERTEX_OUTER;
-    if ((uint(vertices[i].rest.z) & NEEDS) != NEEDS) {
+    if ((uint(vertices[FIRST_VERTEX + i].rest.z) & NEEDS) != NEEDS) {
         return false;
     }
     bool outer = (id & 1u) == 1u; // its first corner lies on the outer ring
-    int columns = int(vertices[i].position.w);
+    int columns = int(vertices[FIRST_VERTEX + i].position.w);
     int i0 = outer ? i + columns : i;
     t.a = from_camera(i0);
     t.b = from_camera(i0 - 1);
@@ -111,7 +117,7 @@ bool corners_of(uint number, out corners t)
 
 void take(ivec2 at, uint number)
 {
-    atomicMax(keys[at.y * int(size.x) + at.x], 0xFFFFFFFFu - number);
+    atomicMax(keys[FIRST_PIXEL + uint(at.y * int(size.x) + at.x)], 0xFFFFFFFFu - number);
 }
 
 // Whether an edge's own points belong to it: left edges and lower ones, in
@@ -209,6 +215,7 @@ void cover_large(corners t, uint number, uint lane)
 
 void main()
 {
+    take_view();
     uint lane = gl_LocalInvocationIndex;
     uint number = gl_GlobalInvocationID.x + 1u;
     if (lane == 0u) {

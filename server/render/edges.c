@@ -51,12 +51,9 @@ static void dispatch_by(GLuint list)
     glDispatchComputeIndirect(0);
 }
 
-/* From which numbers on which difference between those of triangles may mean
- * that PEL_OUTLINE_HIDDEN rings lie between theirs: two for each column of all
- * of them but one, which the two may share in. */
-static void tell_apart(const struct pel_mesh *mesh)
+void pel_edges_apart(const struct pel_mesh *mesh,
+                     GLuint apart[PEL_OUTLINE_BLOCKS][2])
 {
-    GLuint apart[PEL_OUTLINE_BLOCKS][2];
     int count = mesh->block_count, around = 0;
     while (around < count &&
            mesh->blocks[around].columns > mesh->columns_around) {
@@ -77,7 +74,6 @@ static void tell_apart(const struct pel_mesh *mesh)
         apart[i][1] = (GLuint)(2 * (PEL_OUTLINE_HIDDEN - 1) * least);
         first = end;
     }
-    glUniform2uiv(0, PEL_OUTLINE_BLOCKS, apart[0]);
 }
 
 /* The rise of lines of sight from pixel to pixel, as shaders/lib/outline.glsl
@@ -116,7 +112,9 @@ void pel_edges_list(const struct pel_programs *p, const struct pel_targets *t,
     begin_list(t->edges, PEL_STORE_EDGES);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, t->triangles);
     glUseProgram(p->outline_find);
-    tell_apart(mesh);
+    GLuint apart[PEL_OUTLINE_BLOCKS][2];
+    pel_edges_apart(mesh, apart);
+    glUniform2uiv(0, PEL_OUTLINE_BLOCKS, apart[0]);
     glUniform4iv(PEL_OUTLINE_BLOCKS, 1, region);
     glUniform1i(PEL_OUTLINE_BLOCKS + 1, sideways);
     glDispatchCompute((GLuint)(wide + PEL_GROUP_LINE - 1) / PEL_GROUP_LINE,

@@ -23,6 +23,12 @@ void pel_edges_tell_blocks(const struct pel_mesh *mesh, GLint count,
  * below in some pixel of the camera's picture. */
 bool pel_edges_sideways(const struct pel_camera *c);
 
+/* From which numbers on which difference between those of triangles may mean
+ * that PEL_OUTLINE_HIDDEN rings lie between theirs: two for each column of all
+ * of them but one, which the two may share in. */
+void pel_edges_apart(const struct pel_mesh *mesh,
+                     GLuint apart[PEL_OUTLINE_BLOCKS][2]);
+
 /* Lists the pixels of a region, from two corners, that outlines cut, by the
  * triangles of its picture. */
 void pel_edges_list(const struct pel_programs *p, const struct pel_targets *t,

@@ -1,6 +1,7 @@
 #include "render/mesh.h"
 
 #include <float.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -104,6 +105,8 @@ static double lost(double n, double weight)
 void pel_mesh_losses(const struct pel_sea *sea, const struct pel_filter *filter,
                      struct pel_mesh_losses *out)
 {
+    static atomic_uint serials;
+    out->serial = atomic_fetch_add(&serials, 1) + 1;
     const double shortest = log(0.01), longest = log(10000.0);
     double m0[PEL_MESH_LOSSES], at[PEL_MESH_LOSSES]; /* of a band, its middle */
     double below = 0.0;
@@ -276,8 +279,31 @@ void pel_mesh_narrow(const struct pel_mesh_eye *eye,
     }
 }
 
+/* False: they are too many. */
+static bool take_rings(const struct pel_mesh_eye *eye,
+                       const struct pel_mesh_laid *by, double horizon_m,
+                       const struct pel_mesh *like, struct pel_mesh *out)
+{
+    if (like && memcmp(&like->laid, by, sizeof *by) == 0) {
+        if (like != out) {
+            out->ring_count = like->ring_count;
+            memcpy(out->rings, like->rings,
+                   sizeof *out->rings * (size_t)like->ring_count);
+        }
+    } else {
+        out->ring_count = lay_rings(eye, by->start_m, horizon_m, by->rise_m,
+                                    by->column_rad, by->coarser, out->rings);
+    }
+    memset(&out->laid, 0, sizeof out->laid);
+    if (out->ring_count > 0) {
+        memcpy(&out->laid, by, sizeof *by);
+    }
+    return out->ring_count > 0;
+}
+
 void pel_mesh_plan(const struct pel_mesh_eye *eye,
-                   const struct pel_camera *camera, struct pel_mesh *out)
+                   const struct pel_camera *camera, const struct pel_mesh *like,
+                   struct pel_mesh *out)
 {
     double shift = likely_shift(eye->sea);
     double h = eye->height_m;
@@ -289,9 +315,17 @@ void pel_mesh_plan(const struct pel_mesh_eye *eye,
     double start = 0.0, coarser = 1.0;
     for (int attempt = 0; attempt < ATTEMPTS; attempt++) {
         out->column_rad = 2.0 * PEL_PI / out->columns_around;
-        out->ring_count = lay_rings(eye, start, horizon_m, shift,
-                                    out->column_rad, coarser, out->rings);
-        if (out->ring_count > 0 && choose_blocks(out, &r, shift)) {
+        struct pel_mesh_laid by;
+        memset(&by, 0, sizeof by);
+        by.height_m = h;
+        by.pixel = eye->pixel;
+        by.start_m = start;
+        by.rise_m = shift;
+        by.column_rad = out->column_rad;
+        by.coarser = coarser;
+        by.losses = eye->losses->serial;
+        if (take_rings(eye, &by, horizon_m, like, out) &&
+            choose_blocks(out, &r, shift)) {
             return;
         }
         /* First leave out what is nearer than the view needs, in powers of
@@ -309,4 +343,5 @@ void pel_mesh_plan(const struct pel_mesh_eye *eye,
         }
     }
     out->ring_count = out->block_count = out->vertex_count = 0;
+    memset(&out->laid, 0, sizeof out->laid);
 }

@@ -25,6 +25,7 @@
 #define PEL_MESH_LOSSES 96
 struct pel_mesh_losses {
     double cell_m[PEL_MESH_LOSSES], rms_m[PEL_MESH_LOSSES]; /* both rising */
+    unsigned serial; /* of this table, from 1 on: no other has it */
 };
 void pel_mesh_losses(const struct pel_sea *sea, const struct pel_filter *filter,
                      struct pel_mesh_losses *out);
@@ -49,7 +50,14 @@ struct pel_mesh_block {
     int base; /* its first vertex */
 };
 
+/* What the rings of a mesh were laid by; all 0: not laid. */
+struct pel_mesh_laid {
+    double height_m, pixel, start_m, rise_m, column_rad, coarser;
+    unsigned losses;
+};
+
 struct pel_mesh {
+    struct pel_mesh_laid laid;
     int columns_around; /* columns in a full circle */
     double column_rad;
     int ring_count;
@@ -60,9 +68,12 @@ struct pel_mesh {
 };
 
 /* Lays out rings and blocks for a camera. Radius of the Earth as in
- * optics/atmosphere.h. */
+ * optics/atmosphere.h. `like`: a mesh that perhaps has the same rings, which
+ * take longest, then they are copied; NULL: none; also `out` itself, planned
+ * before or zeroed. */
 void pel_mesh_plan(const struct pel_mesh_eye *eye,
-                   const struct pel_camera *camera, struct pel_mesh *out);
+                   const struct pel_camera *camera, const struct pel_mesh *like,
+                   struct pel_mesh *out);
 
 /* Removes from a planned mesh what a part of the same camera's picture cannot
  * see; rings and columns do not change. */

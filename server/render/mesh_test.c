@@ -25,7 +25,7 @@ static void plan(const struct pel_camera *c)
         .sea = &sea,
         .losses = &losses,
     };
-    pel_mesh_plan(&eye, c, &mesh);
+    pel_mesh_plan(&eye, c, NULL, &mesh);
 }
 
 /* Is the place at rest (arc from the nadir, azimuth) in some block's sector

@@ -24,6 +24,8 @@ static void delete_sea_programs(struct pel_sea_programs *p)
         }
     }
     glDeleteProgram(p->mesh);
+    glDeleteProgram(p->together_mesh);
+    glDeleteProgram(p->together);
     *p = (struct pel_sea_programs){ 0 };
 }
 
@@ -417,6 +419,35 @@ enum pel_err pel_programs_need_edges(struct pel_programs *all,
     return err;
 }
 
+enum pel_err pel_programs_need_together(struct pel_programs *all,
+                                        const struct pel_sea *sea,
+                                        bool outlines, struct pel_fault *fault)
+{
+    struct pel_sea_programs *p = programs_of(all, sea);
+    char surface[PEL_SURFACE_TEXT], defines[640];
+    pel_programs_surface(all, sea, surface);
+    enum pel_err err = PEL_OK;
+    if (!p->together_mesh) {
+        snprintf(defines, sizeof defines, "#define PEL_TOGETHER\n%s", surface);
+        err = pel_program_create(all->shader_dir, "mesh.comp", NULL, defines,
+                                 &p->together_mesh, fault);
+    }
+    if (err == PEL_OK && !p->together) {
+        snprintf(defines, sizeof defines, "#define PEL_TOGETHER\n%s%s%s%s%s",
+                 surface, pel_light_defines(all->light), pel_programs_foam(sea),
+                 kind_defines[PEL_SHADE_LIGHT],
+                 all->filtering->paper ? "#define PEL_PAPER\n" : "");
+        err = pel_program_create(all->shader_dir, "shade.comp", NULL, defines,
+                                 &p->together, fault);
+    }
+    if (err == PEL_OK && outlines && !all->together_mix) {
+        err = pel_program_create(all->shader_dir, "outline_together.comp", NULL,
+                                 pel_light_defines(all->light),
+                                 &all->together_mix, fault);
+    }
+    return err;
+}
+
 static enum pel_err make_common(struct pel_programs *p, struct pel_fault *fault)
 {
     enum pel_err err =
@@ -494,6 +525,7 @@ static void finish_light(struct pel_programs *p)
     glDeleteProgram(p->outline_put[0]);
     glDeleteProgram(p->outline_put[1]);
     glDeleteProgram(p->clear_keys);
+    glDeleteProgram(p->together_mix);
     for (int i = 0; i < PEL_SKY_LOOKS; i++) {
         for (int k = 0; k < PEL_BACKDROPS; k++) {
             glDeleteProgram(p->backdrop[i][k]);

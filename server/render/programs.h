@@ -60,7 +60,8 @@ const char *pel_sky_look_defines(enum pel_sky_look look);
 /* What draws one kind of sea, by enum pel_shading. */
 struct pel_sea_programs {
     GLuint mesh;
-    GLuint fragments[PEL_SHADE_COUNT];       /* fragments */
+    GLuint together_mesh, together;    /* of views that are drawn together */
+    GLuint fragments[PEL_SHADE_COUNT]; /* fragments */
     GLuint compute_program[PEL_SHADE_COUNT]; /* sky, sea and colour in one
                                                 dispatch */
     GLuint coast[PEL_SHADE_COUNT];   /* either wrapper, with land and bottom */
@@ -90,6 +91,7 @@ struct pel_programs {
     GLuint outline_find, outline;       /* in compute with either wrapper */
     GLuint outline_mix, outline_put[2]; /* of pictures with lamps */
     GLuint clear_keys;                  /* after outlines, in compute */
+    GLuint together_mix;                /* render/together.h */
     /* By the sky's look: without a disc, and with discs. */
     GLuint backdrop[PEL_SKY_LOOKS][PEL_BACKDROPS];
     GLuint disc[PEL_SKY_LOOKS][PEL_BACKDROPS];
@@ -169,7 +171,15 @@ bool pel_programs_have_edges(const struct pel_programs *p);
 PEL_CHECK enum pel_err pel_programs_need_edges(struct pel_programs *p,
                                                struct pel_fault *fault);
 
-/* The same for tiles where no ship has been, without ship waves and wash. */
+/* Makes those that views are drawn together by (render/together.h), with their
+ * outlines or without. */
+PEL_CHECK enum pel_err pel_programs_need_together(struct pel_programs *p,
+                                                  const struct pel_sea *sea,
+                                                  bool outlines,
+                                                  struct pel_fault *fault);
+
+/* The same as pel_programs_need for tiles where no ship has been, without ship
+ * waves and wash. */
 PEL_CHECK enum pel_err pel_programs_need_still(struct pel_programs *p,
                                                const struct pel_sea *sea,
                                                enum pel_shading kind,

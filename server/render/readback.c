@@ -19,6 +19,7 @@ struct pel_readback_slot {
     size_t capacity;
     uint64_t filled_at; /* pictures until one needed a quarter of it */
     GLsync fence;
+    bool fence_on; /* the fence is of a picture behind it, too */
     int64_t started_ns;
     size_t ev_offset;
     bool auto_exposure;
@@ -49,7 +50,7 @@ void pel_readback_finish(struct pel_readback *r)
     glDeleteSync(r->band);
     for (size_t i = 0; i < PEL_READBACK_SLOTS; i++) {
         struct pel_readback_slot *slot = &r->slots[i];
-        if (slot->fence) {
+        if (slot->fence && !slot->fence_on) {
             glDeleteSync(slot->fence);
         }
         glDeleteBuffers(1, &slot->buffer);
@@ -243,6 +244,7 @@ enum pel_err pel_readback_push(struct pel_readback *r,
     glCopyNamedBufferSubData(s->exposure, slot->buffer, 0, (GLintptr)ev_offset,
                              16);
     slot->fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    slot->fence_on = false;
     glFlush();
     slot->picture = (struct pel_picture){
         .user = s->user,
@@ -257,6 +259,58 @@ enum pel_err pel_readback_push(struct pel_readback *r,
     atomic_store_explicit(&slot->busy, true, memory_order_release);
     r->order[(r->head + r->in_flight++) % PEL_READBACK_SLOTS] = slot;
     return PEL_OK;
+}
+
+struct pel_readback_slot *
+pel_readback_reserve(struct pel_readback *r,
+                     const struct pel_readback_source *s)
+{
+    size_t ev_offset = align_up((size_t)s->width * s->height * 4);
+    struct pel_readback_slot *slot = slot_of(r, s, ev_offset + 16);
+    if (!slot) {
+        return NULL;
+    }
+    slot->picture = (struct pel_picture){
+        .user = s->user,
+        .width = s->width,
+        .height = s->height,
+        .exposure_ev = s->exposure_ev,
+        .rgba = slot->map,
+    };
+    slot->ev_offset = ev_offset;
+    slot->auto_exposure = s->auto_exposure;
+    atomic_store_explicit(&slot->busy, true, memory_order_release);
+    return slot;
+}
+
+void pel_readback_unreserve(struct pel_readback_slot *const slots[],
+                            size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        pel_picture_release(&slots[i]->picture);
+    }
+}
+
+GLuint pel_readback_buffer(const struct pel_readback_slot *slot)
+{
+    return slot->buffer;
+}
+
+size_t pel_readback_ev_offset(const struct pel_readback_slot *slot)
+{
+    return slot->ev_offset;
+}
+
+void pel_readback_send(struct pel_readback *r,
+                       struct pel_readback_slot *const slots[], size_t count)
+{
+    GLsync fence = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
+    glFlush();
+    for (size_t i = 0; i < count; i++) {
+        slots[i]->fence = fence;
+        slots[i]->fence_on = i + 1 < count;
+        r->order[(r->head + r->in_flight++) % PEL_READBACK_SLOTS] = slots[i];
+    }
 }
 
 struct pel_picture *pel_readback_pop(struct pel_readback *r, int64_t wait_ns)
@@ -274,7 +328,9 @@ struct pel_picture *pel_readback_pop(struct pel_readback *r, int64_t wait_ns)
         pel_error("RND-020", "waiting for pixels failed (GL 0x%x)",
                   glGetError());
     }
-    glDeleteSync(slot->fence);
+    if (!slot->fence_on) {
+        glDeleteSync(slot->fence);
+    }
     slot->fence = NULL;
     r->head = (r->head + 1) % PEL_READBACK_SLOTS;
     r->in_flight--;

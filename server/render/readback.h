@@ -44,6 +44,23 @@ void pel_readback_finish(struct pel_readback *r);
 PEL_CHECK enum pel_err pel_readback_push(struct pel_readback *r,
                                          const struct pel_readback_source *s);
 
+/* For pictures of colours alone, which shaders write: whole ones, with the
+ * members of *s that say where they are read from left out. A slot for one,
+ * NULL: none is free, or no memory; and those that are given up. */
+struct pel_readback_slot *
+pel_readback_reserve(struct pel_readback *r,
+                     const struct pel_readback_source *s);
+void pel_readback_unreserve(struct pel_readback_slot *const slots[],
+                            size_t count);
+/* Its buffer: colours, top row first, tightly packed, and at an offset in bytes
+ * the EV100 (float). */
+GLuint pel_readback_buffer(const struct pel_readback_slot *slot);
+size_t pel_readback_ev_offset(const struct pel_readback_slot *slot);
+/* What was given to write them is on its way: they are in flight in this order,
+ * behind one fence. */
+void pel_readback_send(struct pel_readback *r,
+                       struct pel_readback_slot *const slots[], size_t count);
+
 /* Whether the last band's pixels are there within wait_ns. */
 bool pel_readback_band_done(struct pel_readback *r, int64_t wait_ns);
 /* Discards a picture whose last band has not come. */

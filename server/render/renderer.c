@@ -23,6 +23,7 @@
 #include "render/stilltiles.h"
 #include "render/targets.h"
 #include "render/texels.h"
+#include "render/together.h"
 #include "render/turn.h"
 #include "render/uniforms.h"
 #include "render/viewpass.h"
@@ -61,7 +62,7 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
     }
     r->filter = (struct pel_filter){ r->filtering.n_min, r->filtering.n_max };
     err = PEL_ERR_NO_MEMORY;
-    r->mesh = malloc(sizeof *r->mesh);
+    r->mesh = calloc(1, sizeof *r->mesh);
     if (!r->mesh) {
         pel_fault_set(fault, err, "out of memory");
         goto fail;
@@ -117,6 +118,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_targets_finish(&r->targets);
         pel_programs_finish(&r->programs);
         pel_meter_finish(&r->meter);
+        pel_together_finish(&r->together);
         pel_sensing_finish(&r->sensing);
         pel_prober_finish(&r->prober);
         pel_water_prober_finish(&r->water_prober);
@@ -317,6 +319,12 @@ static enum pel_err need_view(struct pel_renderer *r,
                               const struct pel_draw *draw,
                               struct pel_fault *fault)
 {
+    if (pel_together_can(r, env, draw)) {
+        enum pel_err err = pel_together_need(r, env, draw, fault);
+        if (err != PEL_OK || !r->together.off) {
+            return err;
+        }
+    }
     double height_m = eye_height(env, draw), meter_m = meter_height(env, draw);
     struct pel_camera here = draw->camera;
     here.altitude_m -= env->sea_level_m;
@@ -456,12 +464,13 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     bool turn = pel_turn_begin();
     enum pel_err err = begin_frame(r, &here, draws, count);
     bool begun = err == PEL_OK;
-    for (size_t i = 0; i < count && err == PEL_OK; i++) {
-        if (i > 0) {
-            pel_turn_end(turn);
-            turn = pel_turn_begin();
-        }
-        err = pel_view_draw(r, &here, &draws[i]);
+    for (size_t i = 0; i < count && err == PEL_OK;) {
+        pel_turn_end(turn); /* others draw while these are planned */
+        size_t views = pel_together_plan(r, &here, draws + i, count - i);
+        turn = pel_turn_begin();
+        err = views > 0 ? pel_together_draw(r, &here)
+                        : pel_view_draw(r, &here, &draws[i]);
+        i += views > 0 ? views : 1;
     }
     if (begun) {
         pel_arena_end(&r->arena);

@@ -31,6 +31,7 @@
 #include "render/targets.h"
 #include "render/texels.h"
 #include "render/tiles.h"
+#include "render/together.h"
 #include "render/undermap.h"
 #include "render/wakemap.h"
 #include "render/waterprobe.h"
@@ -63,6 +64,7 @@ struct pel_renderer {
     struct pel_sea_texels tables;
     struct pel_programs programs;
     struct pel_meter meter;
+    struct pel_together together;
     struct pel_sensing sensing;
     struct pel_prober prober;
     struct pel_water_prober water_prober;

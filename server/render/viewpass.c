@@ -1,15 +1,11 @@
-/* The passes of one view, in their order: what its pixels are, how each is
- * drawn, the sea and the eye for the shaders, the surface, its light, what lies
- * between it and the glass. */
+/* The passes of one view, in their order: how each of its pixels is drawn, the
+ * surface, its light, what lies between it and the glass. */
 #include "render/viewpass.h"
 
 #include <epoxy/gl.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
-#include "base/reserve.h"
-#include "ocean/wash.h"
 #include "render/acuity.h"
 #include "render/band.h"
 #include "render/coast.h"
@@ -20,144 +16,10 @@
 #include "render/spacepass.h"
 #include "render/stilltiles.h"
 #include "render/uniforms.h"
-
-#define VERTEX_BYTES 32
-
-/* One that is drawn; its cameras stand above the sea's zero. */
-struct view {
-    const struct pel_draw *draw;
-    unsigned asked; /* layers that are shaded */
-    int border;     /* pixels more at each edge, for the eye's loss of detail */
-    struct pel_camera whole, wide, part; /* with border; and margin; its band */
-    struct pel_band band;
-    double height_m, table_height_m; /* of the eye, and of its light's tables */
-    struct pel_lens_place lens;
-    double share; /* pel_space_share */
-    bool high;    /* it has the form of render/spacemap.h alone */
-    const struct pel_sea_programs *programs;
-    struct pel_block_view block;
-    struct pel_block_eye eye;
-    struct pel_disc_box discs[PEL_LIGHTS];
-};
-
-/* --- what its pixels are -------------------------------------------------- */
-
-size_t pel_view_bytes(const struct pel_environment *env)
-{
-    const size_t wash =
-        env->wash ? sizeof(uint32_t) * pel_wash_words(env->wash, 0, 0, NULL) +
-                        sizeof(struct pel_block_wash) + 1024
-                  : 0;
-    return PEL_VIEW_UNIFORM_BYTES + wash;
-}
-
-bool pel_view_edges(const struct pel_renderer *r, const struct pel_camera *c)
-{
-    bool thermal = pel_sensing_is(c) && c->sensor.sense == PEL_SENSE_THERMAL;
-    return c->antialiasing && !thermal && pel_programs_have_edges(&r->programs);
-}
-
-/* Drops and the eye's loss of detail come between light and colour
- * everywhere. */
-static bool is_toned_last(const struct pel_environment *env,
-                          const struct pel_draw *draw, unsigned layers,
-                          bool late)
-{
-    return late || pel_fall_map_shows(env, layers) ||
-           pel_pane_map_shows(&draw->camera, layers) ||
-           pel_acuity_border(env, &draw->camera, draw->layers) > 0;
-}
-
-unsigned pel_view_layers(const struct pel_renderer *r,
-                         const struct pel_environment *env,
-                         const struct pel_draw *draw, bool late)
-{
-    unsigned layers = pel_sensing_layers(&draw->camera, draw->layers);
-    bool mixed = pel_view_edges(r, &draw->camera) ||
-                 (env->object_count && !r->programs.compute) ||
-                 is_toned_last(env, draw, layers, late);
-    return mixed ? layers | PEL_LAYER_RADIANCE : layers;
-}
-
-unsigned pel_view_at_once(const struct pel_environment *env,
-                          const struct pel_draw *draw, unsigned asked,
-                          bool late)
-{
-    return is_toned_last(env, draw, asked, late)
-               ? asked & ~(unsigned)PEL_LAYER_COLOR
-               : asked;
-}
-
-bool pel_view_above_clouds(const struct pel_environment *env, double altitude_m)
-{
-    return env->clouds.cover > 0 && altitude_m > env->clouds.base_m;
-}
-
-static bool is_late(const struct view *v)
-{
-    return pel_lens_under(&v->lens) || (v->share > 0.0 && v->share < 1.0);
-}
-
-/* What decides how a pixel is drawn is planned for the whole picture. */
-static void plan_pixels(struct pel_renderer *r,
-                        const struct pel_environment *env, struct view *v)
-{
-    const struct pel_draw *draw = v->draw;
-    const int border = v->border;
-    v->lens = pel_lens_place(env, &draw->camera);
-    v->share = pel_space_share(env, draw->camera.altitude_m);
-    v->high = v->share >= 1.0;
-    v->asked = pel_view_layers(r, env, draw, is_late(v));
-    v->whole = pel_edges_camera(&draw->camera, border);
-    v->band = pel_band_of(draw);
-    v->band.rows += 2 * (uint32_t)border;
-    v->part = pel_band_camera(&v->whole, v->band);
-    v->height_m = v->whole.altitude_m;
-    v->table_height_m = pel_sky_quantize_height(v->height_m);
-    r->margin = pel_view_edges(r, &v->whole) && v->lens.state != PEL_LENS_WET &&
-                        !v->high
-                    ? PEL_EDGES_MARGIN
-                    : 0;
-    v->wide = pel_edges_camera(&v->whole, r->margin);
-    pel_fill_view(&v->whole, &r->filter, &v->block);
-    v->block.pixel.z -= (float)r->margin;
-    v->block.pixel.w += (float)((int)v->band.first - r->margin);
-    v->block.size.x += (float)(2 * r->margin);
-    v->block.size.y = (float)((int)v->band.rows + 2 * r->margin);
-}
-
-/* Of an eye below the surface: as its mirror image above sees it. */
-static struct pel_camera turned_over(const struct pel_camera *c)
-{
-    struct pel_camera over = *c;
-    over.world_from_camera.x.z *= -1.0;
-    over.world_from_camera.y.z *= -1.0;
-    over.world_from_camera.z.z *= -1.0;
-    return over;
-}
-
-static void plan_mesh(struct pel_renderer *r, const struct pel_environment *env,
-                      const struct view *v, bool under)
-{
-    const struct pel_mesh_eye eye = {
-        .height_m =
-            under ? fmax(fabs(v->height_m), PEL_LEAST_EYE_M) : v->height_m,
-        .pixel = fmin((double)v->block.pixel.x, (double)v->block.pixel.y),
-        .cell_px = r->filtering.cell_px,
-        .sea = env->sea,
-        .losses = &r->statistics.losses,
-    };
-    const struct pel_camera over = turned_over(&v->wide);
-    pel_mesh_plan(&eye, under ? &over : &v->wide, r->mesh);
-    if (v->part.height < v->whole.height) {
-        const struct pel_camera narrow = pel_edges_camera(&v->part, r->margin);
-        const struct pel_camera other = turned_over(&narrow);
-        pel_mesh_narrow(&eye, under ? &other : &narrow, r->mesh);
-    }
-}
+#include "render/viewplan.h"
 
 static void plan_discs(const struct pel_renderer *r,
-                       const struct pel_environment *env, struct view *v)
+                       const struct pel_environment *env, struct pel_view *v)
 {
     const struct pel_band band = { v->band.first,
                                    v->band.rows + 2 * (uint32_t)r->margin };
@@ -172,7 +34,8 @@ static void plan_discs(const struct pel_renderer *r,
 
 /* What each tile of the picture holds besides the open sea. */
 static void plan_tiles(struct pel_renderer *r,
-                       const struct pel_environment *env, const struct view *v)
+                       const struct pel_environment *env,
+                       const struct pel_view *v)
 {
     const struct pel_camera *whole = &v->whole;
     r->any_coast = env->seabed &&
@@ -199,7 +62,7 @@ static void plan_tiles(struct pel_renderer *r,
 /* Of an eye in the water: its objects alone. */
 static void plan_tiles_under(struct pel_renderer *r,
                              const struct pel_environment *env,
-                             const struct view *v)
+                             const struct pel_view *v)
 {
     memset(r->tiles, PEL_COAST_NONE, sizeof r->tiles);
     r->any_coast = false;
@@ -209,148 +72,6 @@ static void plan_tiles_under(struct pel_renderer *r,
         pel_objects_plan(&r->objects, env, &v->whole, true, r->tiles);
     if (r->any_objects) {
         pel_band_tiles(&v->whole, v->band, r->tiles);
-    }
-}
-
-/* --- what the shaders read ------------------------------------------------ */
-
-static void bind(struct pel_renderer *r, GLuint block, const void *data,
-                 size_t size)
-{
-    pel_arena_bind(&r->arena, GL_UNIFORM_BUFFER, block, data, size);
-}
-
-static void bind_seabed(struct pel_renderer *r,
-                        const struct pel_environment *env,
-                        const struct pel_camera *c)
-{
-    struct pel_block_seabed block;
-    if (env->seabed) {
-        pel_seabed_map_bind(&r->seabed);
-    }
-    pel_fill_seabed(env, &r->seabed, r->statistics.variance, r->sky.water.beams,
-                    c->east_m, c->north_m, &block);
-    bind(r, PEL_BLOCK_SEABED, &block, sizeof block);
-}
-
-/* For shaders/lib/waves.glsl. All groups of a dispatch read them: hardware from
- * memory of its own, or the host's is what they wait for. */
-static void bind_waves(struct pel_renderer *r,
-                       const struct pel_environment *env,
-                       const struct pel_camera *c)
-{
-    struct pel_block_waves block;
-    pel_fill_waves(env, c->east_m, c->north_m, &block);
-    if (r->context.software) {
-        pel_arena_texels(&r->arena, r->arena.texels, PEL_UNIT_WAVES, &block,
-                         sizeof block);
-    } else {
-        pel_texels_set(&r->tables.waves, &block, sizeof block);
-        glBindTextureUnit(PEL_UNIT_WAVES, r->tables.waves.texture);
-    }
-}
-
-static void bind_wash(struct pel_renderer *r, const struct pel_environment *env,
-                      const struct pel_camera *c)
-{
-    struct pel_block_wash block;
-    size_t count = pel_wash_words(env->wash, 0, 0, NULL);
-    uint32_t *words = pel_sure_malloc(sizeof *words * (count + 1));
-    pel_wash_words(env->wash, c->east_m, c->north_m, words);
-    pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_WASH, words,
-                   sizeof *words * (count + 1));
-    free(words);
-    pel_fill_wash(env, c->east_m, c->north_m, &block);
-    bind(r, PEL_BLOCK_WASH, &block, sizeof block);
-}
-
-static void bind_sea(struct pel_renderer *r, const struct pel_environment *env,
-                     const struct pel_camera *c)
-{
-    const bool cascades = env->sea->cascades != NULL;
-    if (cascades) {
-        struct pel_block_cascades block;
-        pel_fill_cascades(env->sea->cascades, c->east_m, c->north_m, &block);
-        bind(r, PEL_BLOCK_CASCADES, &block, sizeof block);
-    } else {
-        bind_waves(r, env, c);
-    }
-    if (env->sea->shore) {
-        struct pel_block_shore block;
-        pel_shore_map_bind(&r->shore, env->sea->shore, cascades, c->east_m,
-                           c->north_m, &block);
-        bind(r, PEL_BLOCK_SHORE, &block, sizeof block);
-    }
-    if (env->sea->desc.area_count || env->wash) {
-        struct pel_block_areas block;
-        pel_fill_areas(env, c->east_m, c->north_m, &block);
-        bind(r, PEL_BLOCK_AREAS, &block, sizeof block);
-    }
-    if (env->wash) {
-        bind_wash(r, env, c);
-    }
-    pel_sea_texels_bind(&r->tables);
-}
-
-static void fill_eye(const struct pel_renderer *r,
-                     const struct pel_environment *env, struct view *v)
-{
-    const struct pel_camera *c = &v->part;
-    pel_fill_eye(v->height_m, v->table_height_m, r->mesh, &v->eye);
-    pel_fill_spray(env->sea->foam, v->height_m, &v->eye);
-    if (env->sea->foam) {
-        pel_fill_grain(env->sea->foam, env->wind_to_rad, c->east_m, c->north_m,
-                       &v->eye);
-    }
-    pel_fill_cloud_eye(env, c->east_m - env->clouds.east_mps * env->time_s,
-                       c->north_m - env->clouds.north_mps * env->time_s,
-                       &v->eye);
-    pel_fill_fog(env, c->east_m, c->north_m, &v->eye);
-}
-
-/* By the eye of the first window, so that all views of a meter get the same. */
-static double meter_height(const struct pel_environment *env,
-                           const struct pel_camera *c)
-{
-    double altitude_m = c->sight_count
-                            ? c->sights[0].altitude_m - env->sea_level_m
-                            : c->altitude_m;
-    return fmax(altitude_m, PEL_LEAST_EYE_M);
-}
-
-static void expose(struct pel_renderer *r, const struct pel_environment *env,
-                   const struct pel_camera *c, bool under)
-{
-    double height_m = meter_height(env, c);
-    double table_height_m = pel_sky_quantize_height(height_m);
-    struct pel_block_eye eye;
-    struct pel_block_sighted sights;
-    pel_fill_eye(height_m, table_height_m, NULL, &eye);
-    pel_fill_spray(env->sea->foam, height_m, &eye);
-    pel_fill_fog(env, c->east_m, c->north_m, &eye);
-    pel_fill_sights(env, c, &sights);
-    pel_acuity_meter(env, c, &sights);
-    bind(r, PEL_BLOCK_EYE, &eye, sizeof eye);
-    bind(r, PEL_BLOCK_SIGHTS, &sights, sizeof sights);
-    double share = pel_space_share(env, height_m);
-    if (share < 1.0) {
-        pel_sky_bind_eye(&r->sky, env, table_height_m);
-        pel_meter_run(&r->meter, env, under);
-    }
-    if (share > 0.0) {
-        pel_space_expose(r, env, c, height_m);
-    }
-}
-
-static void bind_eye(struct pel_renderer *r, const struct pel_environment *env,
-                     const struct view *v)
-{
-    bind(r, PEL_BLOCK_EYE, &v->eye, sizeof v->eye);
-    bind(r, PEL_BLOCK_VIEW, &v->block, sizeof v->block);
-    if (v->asked & PEL_LAYER_COLOR || v->whole.auto_exposure ||
-        pel_sensing_is(&v->whole)) {
-        expose(r, env, &v->draw->camera, pel_lens_under(&v->lens));
-        bind(r, PEL_BLOCK_EYE, &v->eye, sizeof v->eye);
     }
 }
 
@@ -364,8 +85,8 @@ static void displace_mesh(struct pel_renderer *r,
         int capacity = m->vertex_count + m->vertex_count / 4;
         glDeleteBuffers(1, &r->vertices);
         glCreateBuffers(1, &r->vertices);
-        glNamedBufferStorage(r->vertices, (GLsizeiptr)capacity * VERTEX_BYTES,
-                             NULL, 0);
+        glNamedBufferStorage(r->vertices,
+                             (GLsizeiptr)capacity * PEL_VERTEX_BYTES, NULL, 0);
         glObjectLabel(GL_BUFFER, r->vertices, -1, "vertices");
         r->vertex_capacity = capacity;
         glTextureBuffer(r->vertex_texels, GL_RGBA32F, r->vertices);
@@ -428,22 +149,11 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
     glDepthMask(GL_FALSE);
 }
 
-static void bind_wakes(struct pel_renderer *r,
-                       const struct pel_environment *env, const struct view *v)
-{
-    if (env->wakes) {
-        struct pel_block_wakes block;
-        pel_wake_map_bind(&r->wakes, env, v->part.east_m, v->part.north_m,
-                          &block);
-        bind(r, PEL_BLOCK_WAKES, &block, sizeof block);
-    }
-}
-
 static void find_surface(struct pel_renderer *r,
                          const struct pel_environment *env,
-                         const struct view *v, bool under)
+                         const struct pel_view *v, bool under)
 {
-    bind_wakes(r, env, v);
+    pel_view_bind_wakes(r, env, v);
     displace_mesh(r, v->programs);
     pel_stage_end(&r->timing, PEL_STAGE_MESH);
     if (r->programs.compute) {
@@ -456,14 +166,14 @@ static void find_surface(struct pel_renderer *r,
 
 /* --- its light ------------------------------------------------------------ */
 
-static void over_all(const struct view *v)
+static void over_all(const struct pel_view *v)
 {
     glViewport(0, 0, (GLsizei)v->block.size.x, (GLsizei)v->block.size.y);
 }
 
 static void raster_objects(struct pel_renderer *r,
                            const struct pel_environment *env,
-                           const struct view *v)
+                           const struct pel_view *v)
 {
     GLint box[4];
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
@@ -476,7 +186,8 @@ static void raster_objects(struct pel_renderer *r,
 
 /* What is looked up per pixel while it is shaded. */
 static void find_light(struct pel_renderer *r,
-                       const struct pel_environment *env, const struct view *v)
+                       const struct pel_environment *env,
+                       const struct pel_view *v)
 {
     if (env->wakes) { /* tables of the light had their place */
         pel_wake_map_again(&r->wakes);
@@ -499,7 +210,7 @@ static void find_light(struct pel_renderer *r,
 }
 
 static void shade(struct pel_renderer *r, const struct pel_environment *env,
-                  const struct view *v, unsigned now, bool toned)
+                  const struct pel_view *v, unsigned now, bool toned)
 {
     if (env->lamp_count > 0 && toned) {
         over_all(v);
@@ -517,8 +228,8 @@ static void shade(struct pel_renderer *r, const struct pel_environment *env,
 /* Drops, the eye's loss of detail, lamps and the pane, on the radiance. The
  * light that colours are made of. */
 static GLuint put_over(struct pel_renderer *r,
-                       const struct pel_environment *env, const struct view *v,
-                       bool toned)
+                       const struct pel_environment *env,
+                       const struct pel_view *v, bool toned)
 {
     const unsigned wanted =
         pel_sensing_layers(&v->draw->camera, v->draw->layers);
@@ -555,13 +266,13 @@ static GLuint put_over(struct pel_renderer *r,
 
 /* From high up: one pass over all pixels. */
 static void draw_high(struct pel_renderer *r, const struct pel_environment *env,
-                      struct view *v)
+                      struct pel_view *v)
 {
     const unsigned now = pel_view_at_once(env, v->draw, v->asked, false);
-    fill_eye(r, env, v);
-    bind_sea(r, env, &v->part);
-    bind_wakes(r, env, v);
-    bind_eye(r, env, v);
+    pel_view_fill_eye(env, r->mesh, v);
+    pel_view_bind_sea(r, env, &v->part);
+    pel_view_bind_wakes(r, env, v);
+    pel_view_bind_eye(r, env, v);
     pel_targets_fit(&r->targets, v->part.width, v->part.height, v->asked);
     pel_stage_begin(&r->timing);
     pel_space_begin(r, env, &v->whole, v->height_m);
@@ -581,7 +292,7 @@ static void draw_high(struct pel_renderer *r, const struct pel_environment *env,
 
 /* The form from high up over the low one's picture. */
 static void mix_high(struct pel_renderer *r, const struct pel_environment *env,
-                     const struct view *v, unsigned now)
+                     const struct pel_view *v, unsigned now)
 {
     pel_space_begin(r, env, &v->whole, v->height_m);
     if (env->night.on) {
@@ -594,8 +305,8 @@ static void mix_high(struct pel_renderer *r, const struct pel_environment *env,
 
 /* By an eye in the air. */
 static void draw_in_air(struct pel_renderer *r,
-                        const struct pel_environment *env, const struct view *v,
-                        unsigned now, bool toned)
+                        const struct pel_environment *env,
+                        const struct pel_view *v, unsigned now, bool toned)
 {
     find_surface(r, env, v, false);
     if (env->lamp_count > 0) {
@@ -612,11 +323,11 @@ static void draw_in_air(struct pel_renderer *r,
 /* By an eye in the water, over that in the air where the surface crosses the
  * lens; the sea and the light are bound. */
 static void draw_in_water(struct pel_renderer *r,
-                          const struct pel_environment *env, struct view *v,
+                          const struct pel_environment *env, struct pel_view *v,
                           unsigned now)
 {
     plan_tiles_under(r, env, v);
-    bind_seabed(r, env, &v->part);
+    pel_view_bind_seabed(r, env, &v->part);
     find_surface(r, env, v, true);
     if (r->any_objects) {
         raster_objects(r, env, v);
@@ -640,15 +351,15 @@ static enum pel_err draw_pixels(struct pel_renderer *r,
                                 const struct pel_environment *env,
                                 const struct pel_draw *draw, int border)
 {
-    struct view v = { .draw = draw, .border = border };
-    plan_pixels(r, env, &v);
+    struct pel_view v = { .draw = draw, .border = border };
+    pel_view_plan_pixels(r, env, &v);
     if (v.high) {
         draw_high(r, env, &v);
         return PEL_OK;
     }
     const bool under = pel_lens_under(&v.lens);
     const bool wet = v.lens.state == PEL_LENS_WET;
-    plan_mesh(r, env, &v, wet);
+    pel_view_plan_mesh(r, env, &v, wet, r->mesh, r->mesh);
     plan_discs(r, env, &v);
     r->programs.above = pel_view_above_clouds(env, v.whole.altitude_m);
     v.programs = pel_programs_of(&r->programs, env->sea);
@@ -656,15 +367,15 @@ static enum pel_err draw_pixels(struct pel_renderer *r,
         plan_tiles(r, env, &v);
     }
     if (r->any_coast || under) {
-        bind_seabed(r, env, &v.part);
+        pel_view_bind_seabed(r, env, &v.part);
     }
-    fill_eye(r, env, &v);
-    bind_sea(r, env, &v.part);
+    pel_view_fill_eye(env, r->mesh, &v);
+    pel_view_bind_sea(r, env, &v.part);
     if (under && !pel_under_map_bind(&r->under, env, &r->sky, &v.whole, &v.lens,
                                      &r->arena)) {
         return PEL_ERR_NO_MEMORY;
     }
-    bind_eye(r, env, &v);
+    pel_view_bind_eye(r, env, &v);
     if (under) {
         pel_under_map_shafts(&r->under, env, &r->programs);
     }
@@ -673,16 +384,17 @@ static enum pel_err draw_pixels(struct pel_renderer *r,
     pel_stage_begin(&r->timing);
     pel_sky_bind_eye(&r->sky, env, v.table_height_m);
     pel_stage_end(&r->timing, PEL_STAGE_SKY);
-    const unsigned now = pel_view_at_once(env, draw, v.asked, is_late(&v));
+    const unsigned now =
+        pel_view_at_once(env, draw, v.asked, pel_view_is_late(&v));
     const bool toned = pel_shade_tones(r, now);
     if (!wet) {
         draw_in_air(r, env, &v, now, toned);
     }
     if (under) {
         if (!wet) {
-            plan_mesh(r, env, &v, true);
-            fill_eye(r, env, &v);
-            bind(r, PEL_BLOCK_EYE, &v.eye, sizeof v.eye);
+            pel_view_plan_mesh(r, env, &v, true, r->mesh, r->mesh);
+            pel_view_fill_eye(env, r->mesh, &v);
+            pel_view_bind(r, PEL_BLOCK_EYE, &v.eye, sizeof v.eye);
         }
         draw_in_water(r, env, &v, now);
     }

@@ -254,17 +254,34 @@ static void bind_breaking(const struct pel_wavefield *field, GLint level)
                        level, GL_TRUE, 0, GL_WRITE_ONLY, GL_RG32F);
 }
 
+_Static_assert((LEVELS - 1) % PEL_MIPS == 0, "dispatches make PEL_MIPS each");
+
+/* Levels of a field from one on; fields beside each other need no barrier. */
+static void make_levels(GLuint field, GLenum format, GLint from, GLuint layers)
+{
+    const GLuint groups = (GLuint)(N >> from) / 16;
+    glBindTextureUnit(PEL_UNIT_MIPS, field);
+    for (GLuint i = 0; i < PEL_MIPS; i++) {
+        glBindImageTexture(PEL_IMAGE_MIPS + i, field, from + 1 + (GLint)i,
+                           GL_TRUE, 0, GL_WRITE_ONLY, format);
+    }
+    glDispatchCompute(groups, groups, layers);
+}
+
 /* glGenerateTextureMipmap takes a draw for each layer and level: a
  * millisecond on hardware. */
-static void make_levels(const struct pel_wavefield *field)
+static void make_all_levels(const struct pel_wavefield *field)
 {
-    bind_fields(field);
+    const struct pel_wavefield_textures *set = &field->sets[field->current];
     glUseProgram(field->mips_program);
-    for (GLint level = 1; level < LEVELS; level++) {
-        GLuint groups = (GLuint)((N >> level) + 7) / 8;
-        bind_images(field, level);
-        glUniform1i(0, level - 1);
-        glDispatchCompute(groups, groups, PEL_CASCADES);
+    for (GLint from = 0; from + 1 < LEVELS; from += PEL_MIPS) {
+        glUniform1i(0, from);
+        make_levels(set->displacement, GL_RGBA32F, from, PEL_CASCADES);
+        make_levels(set->slopes, GL_RGBA32F, from, PEL_CASCADES);
+        make_levels(set->fold, GL_R32F, from, PEL_CASCADES);
+        if (field->foam) {
+            make_levels(set->breaking, GL_RG32F, from, PEL_FOAM_CASCADES);
+        }
         glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     }
 }
@@ -280,16 +297,6 @@ static void transform_breaking(struct pel_wavefield *field, double time_s)
     glUseProgram(field->foam_programs[1]);
     bind_breaking(field, 0);
     glDispatchCompute(1, N, PEL_FOAM_CASCADES);
-    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-    bind_fields(field);
-    glUseProgram(field->foam_programs[2]);
-    for (GLint level = 1; level < LEVELS; level++) {
-        GLuint groups = (GLuint)((N >> level) + 7) / 8;
-        bind_breaking(field, level);
-        glUniform1i(0, level - 1);
-        glDispatchCompute(groups, groups, PEL_FOAM_CASCADES);
-        glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-    }
 }
 
 static void transform_by_shaders(struct pel_wavefield *field, double time_s)
@@ -306,12 +313,12 @@ static void transform_by_shaders(struct pel_wavefield *field, double time_s)
     glUseProgram(field->columns_program);
     bind_images(field, 0);
     glDispatchCompute(1, N, PEL_CASCADES);
-    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     if (field->foam) {
-        /* What it reads lies in units that the levels use. */
+        /* What it reads lies in a unit that the levels use. */
         transform_breaking(field, time_s);
     }
-    make_levels(field);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    make_all_levels(field);
 }
 
 /* --- a frame -------------------------------------------------------------- */
@@ -335,10 +342,9 @@ static enum pel_err make(struct pel_wavefield *field, const char *shader_dir,
 static enum pel_err need_foam(struct pel_wavefield *field,
                               const char *shader_dir, struct pel_fault *fault)
 {
-    static const char *const names[3] = { "fft_rows.comp", "fft_columns.comp",
-                                          "fft_mips.comp" };
+    static const char *const names[2] = { "fft_rows.comp", "fft_columns.comp" };
     enum pel_err err = PEL_OK;
-    for (int i = 0; i < 3 && !err && !field->on_processor; i++) {
+    for (int i = 0; i < 2 && !err && !field->on_processor; i++) {
         if (!field->foam_programs[i]) {
             err = pel_program_create(shader_dir, names[i], NULL,
                                      "#define PEL_FOAM\n",
@@ -402,7 +408,7 @@ void pel_wavefield_finish(struct pel_wavefield *field)
                                   set->breaking };
         glDeleteTextures(4, fields);
     }
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 2; i++) {
         glDeleteProgram(field->foam_programs[i]);
     }
     glDeleteProgram(field->rows_program);

@@ -28,7 +28,7 @@ struct pel_wavefield {
     int threads; /* that share them; 0: one a core, four at most */
     bool made, computed;
     GLuint rows_program, columns_program, mips_program;
-    GLuint foam_programs[3]; /* the same for what breaks */
+    GLuint foam_programs[2]; /* the same for what breaks */
     bool foam;               /* whitecaps are wanted: before a run */
     GLuint amplitudes, modes, lines, parameters;
     struct pel_wavefield_cpu *cpu;

@@ -7,6 +7,10 @@ struct pel_vec4 {
     float x, y, z, w;
 };
 #define vec4 struct pel_vec4
+struct pel_uvec4 {
+    unsigned x, y, z, w;
+};
+#define uvec4 struct pel_uvec4
 #define PEL_STRUCT struct
 #define PEL_BLOCK(index, name) struct pel_block_##name
 #else
@@ -111,6 +115,7 @@ struct pel_vec4 {
 #define PEL_UNIT_UNDER_ABOVE 42
 #define PEL_UNIT_AMPLITUDES 0 /* 0, 1: transforms of the cascades */
 #define PEL_UNIT_MODES 1
+#define PEL_UNIT_MIPS 0 /* after them */
 
 /* Storage buffers of the mesh and of shading. */
 #define PEL_STORE_VERTICES 0
@@ -141,6 +146,8 @@ struct pel_vec4 {
 #define PEL_STORE_FILTERED 0 /* 0, 1: filtered.comp */
 #define PEL_STORE_FILTERED_ANSWERS 1
 #define PEL_STORE_STARS 2        /* of a view, as it is shaded */
+#define PEL_STORE_RADIANCE 6     /* of views that are drawn together */
+#define PEL_STORE_PICTURES 8     /* 8 to 15: their readback buffers */
 #define PEL_STORE_SURROUNDINGS 2 /* the block, where it is written */
 
 /* Images of shading in compute: OpenGL promises eight. What more layers than
@@ -176,6 +183,8 @@ struct pel_vec4 {
 #define PEL_IMAGE_SLOPES 1
 #define PEL_IMAGE_FOLD 2
 #define PEL_IMAGE_BREAKING 0
+#define PEL_IMAGE_MIPS 0
+#define PEL_MIPS 4 /* levels that a dispatch of fft_mips.comp makes */
 #define PEL_IMAGE_WATER_PHASE 0
 #define PEL_IMAGE_WATER_RADIANCE 0
 #define PEL_IMAGE_WATER_ATTENUATION 1
@@ -192,6 +201,10 @@ struct pel_vec4 {
 #define PEL_GROUP_LINE 64
 #define PEL_GROUP_WATER 32
 #define PEL_GROUP_SIDE 8
+/* Of a group that writes its colours to the host: whole lines of its caches
+ * (docs/benchmarks.md). */
+#define PEL_GROUP_WIDE 32
+#define PEL_GROUP_LOW 2
 
 /* Rings of the mesh that a crest hides at least where its outline is looked
  * for. With 1, four in five of the pixels that are looked at have none, which
@@ -682,19 +695,48 @@ PEL_BLOCK(PEL_BLOCK_SPACE, space)
 
 /* One for a view. The pixel lattice is X right, Y down, in pixels from the
  * axis: a ray is right·X·px − up·Y·py − back. */
+#define PEL_VIEW_MEMBERS                                                       \
+    vec4 right;  /* camera axes in the world; w of right: N_min */             \
+    vec4 up;     /* w: 1 / (N_max − N_min) */                                  \
+    vec4 back;   /* w: levels of detail that slopes are sampled coarser */     \
+    vec4 pixel;  /* px, py; lattice place of the picture's top left corner */  \
+    vec4 size;   /* width, height, px; z 1: rims of lights are antialiased; w  \
+                    nodes of the clouds' lattice a pixel */                    \
+    vec4 sensor; /* x 0 none, 1 a sensor's grey, 2 no picture; grey · y + z; w \
+                    noise */                                                   \
+    vec4 sensor_seed; /* xy 0..65535; z share of lines that drop out; w        \
+                         PEL_TONE_* */
+#ifndef PEL_TOGETHER
 PEL_BLOCK(PEL_BLOCK_VIEW, view)
 {
-    vec4 right;  /* camera axes in the world; w of right: N_min */
-    vec4 up;     /* w: 1 / (N_max − N_min) */
-    vec4 back;   /* w: levels of detail that slopes are sampled coarser */
-    vec4 pixel;  /* px, py; lattice place of the picture's top left corner */
-    vec4 size;   /* width, height, px; z 1: rims of lights are antialiased; w
-                    nodes of the clouds' lattice a pixel */
-    vec4 sensor; /* x 0 none, 1 a sensor's grey, 2 no picture; grey · y + z; w
-                    noise */
-    vec4 sensor_seed; /* xy 0..65535; z share of lines that drop out; w
-                         PEL_TONE_* */
+    PEL_VIEW_MEMBERS
 };
+#endif
+
+/* Views of one eye that are drawn together (render/together.h): each is a layer
+ * of every dispatch, z of its groups, and has its part of every list. */
+#define PEL_TOGETHER_MOST 8
+#if defined(__STDC__) || defined(PEL_TOGETHER)
+struct pel_shader_view {
+    PEL_VIEW_MEMBERS
+};
+struct pel_shader_together {
+    PEL_STRUCT pel_shader_view view;
+    vec4 columns;  /* x angle between the mesh's columns, rad; y columns around */
+    uvec4 first;   /* its first vertex, ring, pixel; w vertices */
+    uvec4 picture; /* x pixels around it; y word of its readback buffer that gets
+                      the EV100; z blocks of the mesh; w 1: outlines are sought
+                      sideways too */
+    uvec4 apart[2];                    /* of outline_find.comp, pairs */
+    uvec4 blocks[PEL_MESH_MAX_BLOCKS]; /* first ring, rings, first column,
+                                          columns */
+    uvec4 bases[PEL_MESH_MAX_BLOCKS];  /* x first vertex, from the view's */
+};
+PEL_BLOCK(PEL_BLOCK_VIEW, together)
+{
+    PEL_STRUCT pel_shader_together together[PEL_TOGETHER_MOST];
+};
+#endif
 
 /* A lamp that a view may show: from the eye, m, w how far; spectral intensity
  * towards it, w diameter, m; xy on the lattice, z share that the lens scatters.
@@ -714,14 +756,27 @@ struct pel_shader_sight {
     vec4 back;  /* w: top edge */
     vec4 below; /* x: bottom edge */
 };
+#define PEL_SIGHTED_MEMBERS                                                    \
+    vec4 meter; /* x number of windows, 0: fixed; y fixed EV100; z PEL_TONE_*; \
+                   w share of light that the lens scatters */                  \
+    vec4 rod;   /* rgb weights of the scotopic luminance; w PEL_VISION_* */    \
+    PEL_STRUCT pel_shader_sight sights[PEL_METER_SIGHTS];
 #if defined(__STDC__) || defined(PEL_METER)
+#ifndef PEL_TOGETHER
 PEL_BLOCK(PEL_BLOCK_SIGHTS, sighted)
 {
-    vec4 meter; /* x number of windows, 0: fixed; y fixed EV100; z PEL_TONE_*; w
-                   share of light that the lens scatters */
-    vec4 rod;   /* rgb weights of the scotopic luminance; w PEL_VISION_* */
-    PEL_STRUCT pel_shader_sight sights[PEL_METER_SIGHTS];
+    PEL_SIGHTED_MEMBERS
 };
+#endif
+#if defined(__STDC__) || defined(PEL_TOGETHER)
+struct pel_shader_sighted {
+    PEL_SIGHTED_MEMBERS
+};
+PEL_BLOCK(PEL_BLOCK_SIGHTS, all_sighted)
+{
+    PEL_STRUCT pel_shader_sighted all_sighted[PEL_TOGETHER_MOST];
+};
+#endif
 #endif
 
 /* Written by the meter. */
@@ -730,13 +785,26 @@ struct pel_shader_glare {
     vec4 light; /* rgb at its centre as the radiance of a pixel; w share taken
                    from the source */
 };
+#define PEL_EXPOSURE_MEMBERS                                                   \
+    vec4 exposure; /* x EV100; y log2 of the mean, z of the highlights, cd/m²  \
+                    */                                                         \
+    vec4 exposing; /* rgb exposed light of 1 cd/m², balanced */                \
+    vec4 rods;     /* as `rod` of the block sighted */                         \
+    PEL_STRUCT pel_shader_glare glare[PEL_GLARES];
+#ifndef PEL_TOGETHER
 PEL_BLOCK(PEL_BLOCK_EXPOSURE, exposure)
 {
-    vec4 exposure; /* x EV100; y log2 of the mean, z of the highlights, cd/m² */
-    vec4 exposing; /* rgb exposed light of 1 cd/m², balanced */
-    vec4 rods;     /* as `rod` of the block sighted */
-    PEL_STRUCT pel_shader_glare glare[PEL_GLARES];
+    PEL_EXPOSURE_MEMBERS
 };
+#else
+struct pel_shader_exposure {
+    PEL_EXPOSURE_MEMBERS
+};
+PEL_BLOCK(PEL_BLOCK_EXPOSURE, exposures)
+{
+    PEL_STRUCT pel_shader_exposure exposures[PEL_TOGETHER_MOST];
+};
+#endif
 
 /* A wave as the shaders sum it, read as texels. One list for an eye, longest
  * first, and a wave of no length after the last. What is read costs more than
@@ -1092,5 +1160,6 @@ struct pel_shader_row {
 
 #ifdef __STDC__
 #undef vec4
+#undef uvec4
 #undef PEL_STRUCT
 #endif

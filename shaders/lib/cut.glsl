@@ -1,4 +1,5 @@
 // The sea's mesh as shading reads it.
+#include "lib/together.glsl"
 
 // The vertices, two texels each: software devices read a texel of four at once,
 // the members of a storage buffer one by one and lane by lane.
@@ -6,12 +7,12 @@ layout(binding = PEL_UNIT_VERTICES) uniform samplerBuffer vertex_texels;
 
 vec4 vertex_position(int i)
 {
-    return texelFetch(vertex_texels, 2 * i);
+    return texelFetch(vertex_texels, 2 * (FIRST_VERTEX + i));
 }
 
 vec2 vertex_rest(int i)
 {
-    return texelFetch(vertex_texels, 2 * i + 1).xy;
+    return texelFetch(vertex_texels, 2 * (FIRST_VERTEX + i) + 1).xy;
 }
 
 const int NO_STRIP = 1 << 20; // that of the sky
@@ -19,7 +20,7 @@ const int NO_STRIP = 1 << 20; // that of the sky
 // The inner ring of a triangle's strip.
 int strip_of(uint triangle)
 {
-    return triangle == 0u ? NO_STRIP : int(texelFetch(vertex_texels, int(triangle - 1u | 1u)).w);
+    return triangle == 0u ? NO_STRIP : int(texelFetch(vertex_texels, 2 * FIRST_VERTEX + int(triangle - 1u | 1u)).w);
 }
 
 // A triangle of the mesh, cut by a ray.

@@ -7,9 +7,11 @@
 // is the same in every picture of its lattice. Includers have lib/ray.glsl,
 // lib/cut.glsl and triangle_at.
 
+#ifndef PEL_TOGETHER
 layout(location = PEL_UNIFORM_BLOCK_COUNT) uniform int block_count;
 layout(location = PEL_UNIFORM_BLOCKS) uniform ivec4 blocks[PEL_MESH_MAX_BLOCKS];
 layout(location = PEL_UNIFORM_BASES) uniform int bases[PEL_MESH_MAX_BLOCKS];
+#endif
 
 const int MOST_STEPS = 400;
 const int MOST_HIDDEN = 12; // rings that are looked through for a crest behind
@@ -55,13 +57,13 @@ float part_below(float middle, float slope)
 // the triangle `near` and the strip `last`; `none` where nothing does.
 float hidden_below(upright p, uint near, int last, float none)
 {
-    int n = int(eye.w);
+    int n = COLUMNS_AROUND;
     int v = int(near - 1u >> 1u);
-    vec2 flags_ring = texelFetch(vertex_texels, 2 * v + 1).zw;
+    vec2 flags_ring = texelFetch(vertex_texels, 2 * (FIRST_VERTEX + v) + 1).zw;
     int b = int(uint(flags_ring.x) >> 3); // VERTEX_BLOCK
-    ivec4 block = blocks[b];
+    ivec4 block = MESH_BLOCK(b);
     int row = int(flags_ring.y) - block.x;
-    int column = v - bases[b] - row * block.w;
+    int column = v - MESH_BASE(b) - row * block.w;
     row++;
     float crest = -1e9, slope = 0.0; // highest so far
     float outline = -1e9, outline_slope = 0.0;
@@ -69,12 +71,12 @@ float hidden_below(upright p, uint near, int last, float none)
     bool fallen = false;
     for (int i = 0; i < MOST_STEPS; i++) {
         if (row >= block.y) {
-            if (++b >= block_count) {
+            if (++b >= MESH_BLOCKS) {
                 break;
             }
-            column += block.z - blocks[b].z;
+            column += block.z - MESH_BLOCK(b).z;
             column += column < 0 ? n : column >= n ? -n : 0;
-            block = blocks[b];
+            block = MESH_BLOCK(b);
             row = 1;
         }
         if (block.w > n) { // all around
@@ -84,7 +86,7 @@ float hidden_below(upright p, uint near, int last, float none)
         if (ring > last || column < 1 || column >= block.w) {
             break;
         }
-        v = bases[b] + row * block.w + column;
+        v = MESH_BASE(b) + row * block.w + column;
         vec3 from = vertex_position(v - 1).xyz;
         vec3 to = vertex_position(v).xyz;
         vec2 side = vec2(from.y * p.ahead.x - from.x * p.ahead.y, to.y * p.ahead.x - to.x * p.ahead.y);

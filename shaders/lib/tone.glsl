@@ -100,3 +100,10 @@ vec3 display(vec3 light, ivec2 at)
     // Black is black.
     return encoded + (sensor.x == float(PEL_SHADER_SENSOR_OFF) ? 0.0 : (noise(place) - 0.5) / 255.0);
 }
+
+// As it lies in memory. What drivers make of other colours in an image may be off
+// by one from it: pictures are to be the same whoever writes them.
+uint packed_color(vec3 color)
+{
+    return packUnorm4x8(vec4(color, 1.0));
+}

@@ -1,0 +1,536 @@
+#include "render/together.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "render/acuity.h"
+#include "render/edges.h"
+#include "render/rendererstate.h"
+#include "render/spacepass.h"
+#include "render/uniforms.h"
+
+/* Of views that are drawn together, unless one alone has more: by then the
+ * device is busy, and a pixel takes 40 bytes of its memory. */
+#define MOST_PIXELS ((size_t)4 << 20)
+/* Parts of lists begin on cache lines. */
+#define PIXEL_ALIGN 64
+/* What does not need a quarter of the memory this often in a row gives it back.
+ */
+#define SMALL_DRAWS 256
+/* Before the entries of a list: groups to dispatch, entries of each view. */
+#define LIST_HEAD ((4 + PEL_TOGETHER_MOST) * sizeof(GLuint))
+#define CLEAR_COLUMNS 1024u
+
+struct pel_view_together {
+    struct pel_draw draw; /* its camera above the sea's zero */
+    struct pel_view view;
+    struct pel_mesh mesh;
+    int margin;
+    size_t first_pixel, first_vertex; /* of the lists */
+    struct pel_block_sighted sights;
+};
+
+/* --- which views ---------------------------------------------------------- */
+
+static bool is_plain(const struct pel_environment *env)
+{
+    return !env->seabed && env->object_count == 0 && env->lamp_count == 0 &&
+           !(env->clouds.cover > 0) && !env->night.on && env->stale == 0;
+}
+
+static double height_of(const struct pel_camera *c)
+{
+    return fmax(c->altitude_m, PEL_LEAST_EYE_M);
+}
+
+bool pel_together_can(const struct pel_renderer *r,
+                      const struct pel_environment *env,
+                      const struct pel_draw *draw)
+{
+    if (!r->programs.compute || r->together.off || !is_plain(env) ||
+        draw->layers != PEL_LAYER_COLOR || draw->rows > 0 ||
+        pel_sensing_is(&draw->camera)) {
+        return false;
+    }
+    struct pel_camera here = draw->camera;
+    here.altitude_m -= env->sea_level_m;
+    const unsigned shaded = PEL_LAYER_COLOR | PEL_LAYER_RADIANCE;
+    if (pel_space_share(env, height_of(&here)) > 0.0 ||
+        pel_space_share(env, pel_view_meter_height(env, &here)) > 0.0 ||
+        pel_fall_map_shows(env, shaded) || pel_pane_map_shows(&here, shaded) ||
+        pel_acuity_border(env, &here, draw->layers) > 0) {
+        return false;
+    }
+    const struct pel_lens_place lens = pel_lens_place(env, &here);
+    return !pel_lens_under(&lens);
+}
+
+static enum pel_err need_programs(struct pel_renderer *r,
+                                  const struct pel_environment *env,
+                                  bool outlines, struct pel_fault *fault)
+{
+    struct pel_together *t = &r->together;
+    const char *defines = "#define PEL_TOGETHER\n#define PEL_KEYS\n";
+    const struct {
+        GLuint *program;
+        const char *file, *defines;
+        bool wanted;
+    } needed[] = {
+        { &t->search, "search.comp", defines, true },
+        { &t->find, "outline_find.comp", defines, outlines },
+        { &t->outline, "outline.comp", defines, outlines },
+        { &t->clear, "clear.comp", NULL, outlines },
+    };
+    enum pel_err err =
+        pel_meter_need_together(&r->meter, env, r->shader_dir, fault);
+    if (err == PEL_OK) {
+        err =
+            pel_programs_need_together(&r->programs, env->sea, outlines, fault);
+    }
+    for (size_t i = 0; i < sizeof needed / sizeof *needed; i++) {
+        if (err == PEL_OK && needed[i].wanted && !*needed[i].program) {
+            err =
+                pel_program_create(r->shader_dir, needed[i].file, NULL,
+                                   needed[i].defines, needed[i].program, fault);
+        }
+    }
+    return err;
+}
+
+enum pel_err pel_together_need(struct pel_renderer *r,
+                               const struct pel_environment *env,
+                               const struct pel_draw *draw,
+                               struct pel_fault *fault)
+{
+    struct pel_together *t = &r->together;
+    if (!t->views) {
+        t->views = calloc(PEL_TOGETHER_MOST, sizeof *t->views);
+        if (!t->views) {
+            return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+        }
+    }
+    enum pel_err err =
+        need_programs(r, env, pel_view_edges(r, &draw->camera), fault);
+    if (err == PEL_ERR_GPU && r->programs.automatic) {
+        pel_warn("RND-043", "%s; views are drawn one by one", fault->message);
+        t->off = true;
+        return PEL_OK;
+    }
+    return err;
+}
+
+/* --- planning ------------------------------------------------------------- */
+
+/* What views that are drawn together share: the sea as it is read from a place,
+ * and the tables of their eye and of the eye they are metered by. */
+static bool is_of_same_eye(const struct pel_environment *env,
+                           const struct pel_view_together *a,
+                           const struct pel_view_together *b)
+{
+    const struct pel_camera *p = &a->draw.camera, *q = &b->draw.camera;
+    return p->east_m == q->east_m && p->north_m == q->north_m &&
+           p->altitude_m == q->altitude_m && a->margin == b->margin &&
+           pel_view_meter_height(env, p) == pel_view_meter_height(env, q);
+}
+
+static size_t pixels_of(const struct pel_view_together *v)
+{
+    size_t pixels = (size_t)v->view.block.size.x * (size_t)v->view.block.size.y;
+    return (pixels + PIXEL_ALIGN - 1) / PIXEL_ALIGN * PIXEL_ALIGN;
+}
+
+size_t pel_together_plan(struct pel_renderer *r,
+                         const struct pel_environment *env,
+                         const struct pel_draw *draws, size_t count)
+{
+    struct pel_together *t = &r->together;
+    size_t pixels = 0, vertices = 0;
+    t->count = 0;
+    while (t->count < count && t->count < PEL_TOGETHER_MOST &&
+           pel_together_can(r, env, &draws[t->count])) {
+        struct pel_view_together *v = &t->views[t->count];
+        v->draw = draws[t->count];
+        v->draw.camera.altitude_m -= env->sea_level_m;
+        v->view = (struct pel_view){ .draw = &v->draw };
+        pel_view_plan_pixels(r, env, &v->view);
+        v->margin = r->margin;
+        size_t own = pixels_of(v);
+        if (t->count > 0 && (pixels + own > MOST_PIXELS ||
+                             !is_of_same_eye(env, v, &t->views[0]))) {
+            break;
+        }
+        pel_view_plan_mesh(r, env, &v->view, false, &t->views[0].mesh,
+                           &v->mesh);
+        v->first_pixel = pixels;
+        v->first_vertex = vertices;
+        pixels += own;
+        vertices += (size_t)v->mesh.vertex_count;
+        t->count++;
+    }
+    return t->count;
+}
+
+/* --- memory --------------------------------------------------------------- */
+
+static GLuint make_buffer(size_t bytes, const char *label)
+{
+    GLuint buffer = 0;
+    glCreateBuffers(1, &buffer);
+    glNamedBufferStorage(buffer, (GLsizeiptr)bytes, NULL,
+                         GL_DYNAMIC_STORAGE_BIT);
+    glObjectLabel(GL_BUFFER, buffer, -1, label);
+    return buffer;
+}
+
+static void drop_memory(struct pel_together *t)
+{
+    const GLuint buffers[] = { t->vertices, t->keys, t->suspects, t->edges,
+                               t->radiance };
+    glDeleteBuffers(5, buffers);
+    glDeleteTextures(1, &t->texels);
+    t->vertices = t->keys = t->suspects = t->edges = t->radiance = 0;
+    t->texels = 0;
+    t->vertex_capacity = t->pixel_capacity = 0;
+}
+
+static void fit_vertices(struct pel_together *t, size_t vertices)
+{
+    if (vertices <= t->vertex_capacity) {
+        return;
+    }
+    t->vertex_capacity = vertices + vertices / 4;
+    glDeleteBuffers(1, &t->vertices);
+    t->vertices =
+        make_buffer(t->vertex_capacity * PEL_VERTEX_BYTES, "vertices together");
+    if (!t->texels) {
+        glCreateTextures(GL_TEXTURE_BUFFER, 1, &t->texels);
+    }
+    glTextureBuffer(t->texels, GL_RGBA32F, t->vertices);
+}
+
+static void fit_pixels(struct pel_together *t, size_t pixels, bool outlines)
+{
+    t->small_draws = 4 * pixels < t->pixel_capacity ? t->small_draws + 1 : 0;
+    if (t->small_draws > SMALL_DRAWS) {
+        drop_memory(t);
+        t->small_draws = 0;
+    }
+    bool more = pixels > t->pixel_capacity;
+    if (more) {
+        drop_memory(t);
+        t->pixel_capacity = pixels;
+        t->keys = make_buffer(pixels * sizeof(GLuint), "keys together");
+        glClearNamedBufferData(t->keys, GL_R32UI, GL_RED_INTEGER,
+                               GL_UNSIGNED_INT, NULL);
+    }
+    if (outlines && !t->radiance) {
+        const size_t all = t->pixel_capacity;
+        t->suspects = make_buffer(LIST_HEAD + all * 4, "suspects together");
+        t->edges = make_buffer(LIST_HEAD + all * 8, "edges together");
+        t->radiance = make_buffer(all * 16, "radiance together");
+    }
+}
+
+void pel_together_finish(struct pel_together *t)
+{
+    drop_memory(t);
+    glDeleteProgram(t->search);
+    glDeleteProgram(t->find);
+    glDeleteProgram(t->outline);
+    glDeleteProgram(t->clear);
+    free(t->views);
+    *t = (struct pel_together){ 0 };
+}
+
+/* --- what the shaders read ------------------------------------------------ */
+
+static void fill(const struct pel_view_together *v, size_t first_ring,
+                 size_t ev_word, struct pel_shader_together *out)
+{
+    const struct pel_mesh *m = &v->mesh;
+    _Static_assert(sizeof out->view == sizeof v->view.block,
+                   "both have the members of PEL_VIEW_MEMBERS");
+    *out = (struct pel_shader_together){
+        .columns = { (float)m->column_rad, (float)m->columns_around, 0, 0 },
+        .first = { (unsigned)v->first_vertex, (unsigned)first_ring,
+                   (unsigned)v->first_pixel, (unsigned)m->vertex_count },
+        .picture = { (unsigned)v->margin, (unsigned)ev_word,
+                     (unsigned)m->block_count,
+                     pel_edges_sideways(&v->view.part) },
+    };
+    memcpy(&out->view, &v->view.block, sizeof out->view);
+    GLuint apart[PEL_OUTLINE_BLOCKS][2];
+    pel_edges_apart(m, apart);
+    memcpy(out->apart, apart, sizeof apart);
+    for (int i = 0; i < m->block_count; i++) {
+        const struct pel_mesh_block *b = &m->blocks[i];
+        out->blocks[i] =
+            (struct pel_uvec4){ (unsigned)b->first_ring, (unsigned)b->rings,
+                                (unsigned)b->first_column,
+                                (unsigned)b->columns };
+        out->bases[i].x = (unsigned)b->base;
+    }
+}
+
+/* Rings of all meshes, one after the other. */
+static void bind_rings(struct pel_renderer *r, size_t first[PEL_TOGETHER_MOST])
+{
+    const struct pel_together *t = &r->together;
+    size_t from = 0, end = 0;
+    for (size_t i = 0; i < t->count; i++) {
+        const struct pel_mesh *m = &t->views[i].mesh;
+        size_t bytes =
+            sizeof *m->rings * (size_t)(m->ring_count > 0 ? m->ring_count : 1);
+        size_t at = pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER,
+                                   PEL_STORE_RINGS, m->rings, bytes);
+        from = i == 0 ? at : from;
+        end = at + bytes;
+        first[i] = (at - from) / sizeof *m->rings;
+    }
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, PEL_STORE_RINGS,
+                      r->arena.buffer, (GLintptr)from,
+                      (GLsizeiptr)(end - from));
+}
+
+static void bind_views(struct pel_renderer *r,
+                       struct pel_readback_slot *const slots[])
+{
+    const struct pel_together *t = &r->together;
+    struct pel_block_together block = { 0 };
+    size_t rings[PEL_TOGETHER_MOST];
+    bind_rings(r, rings);
+    for (size_t i = 0; i < t->count; i++) {
+        fill(&t->views[i], rings[i],
+             pel_readback_ev_offset(slots[i]) / sizeof(float),
+             &block.together[i]);
+    }
+    pel_view_bind(r, PEL_BLOCK_VIEW, &block, sizeof block);
+    for (size_t i = 0; i < PEL_TOGETHER_MOST; i++) {
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER,
+                         PEL_STORE_PICTURES + (GLuint)i,
+                         pel_readback_buffer(slots[i < t->count ? i : 0]));
+    }
+}
+
+/* Exposures; the eye of their meter and its tables are bound. */
+static void meter(struct pel_renderer *r, const struct pel_environment *env)
+{
+    const struct pel_together *t = &r->together;
+    const struct pel_camera *c = &t->views[0].draw.camera;
+    struct pel_block_all_sighted sights = { 0 };
+    struct pel_block_eye eye;
+    for (size_t i = 0; i < t->count; i++) {
+        struct pel_block_sighted own;
+        pel_view_fill_meter(env, &t->views[i].draw.camera, &eye, &own);
+        memcpy(&sights.all_sighted[i], &own, sizeof own);
+    }
+    pel_view_bind(r, PEL_BLOCK_EYE, &eye, sizeof eye);
+    pel_view_bind(r, PEL_BLOCK_SIGHTS, &sights, sizeof sights);
+    pel_sky_bind_eye(&r->sky, env,
+                     pel_sky_quantize_height(pel_view_meter_height(env, c)));
+    pel_meter_run_together(&r->meter, env, (GLuint)t->count);
+}
+
+static void bind_eye(struct pel_renderer *r, const struct pel_environment *env)
+{
+    struct pel_view *first = &r->together.views[0].view;
+    pel_view_fill_eye(env, &r->together.views[0].mesh, first);
+    pel_view_bind(r, PEL_BLOCK_EYE, &first->eye, sizeof first->eye);
+}
+
+/* --- stages --------------------------------------------------------------- */
+
+/* Of all views: most vertices, width and height with what is around it; and the
+ * pixels of their lists. */
+struct extent {
+    int vertices, width, height;
+    size_t pixels;
+    bool outlines;
+};
+
+/* Stages that do not need each other have no barrier between them. The exposure
+ * takes as long as finding triangles, on one unit of the device for each view.
+ */
+static void find_surface(struct pel_renderer *r,
+                         const struct pel_environment *env,
+                         const struct pel_sea_programs *programs,
+                         const struct extent *all)
+{
+    struct pel_together *t = &r->together;
+    const GLuint views = (GLuint)t->count;
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_VERTICES, t->vertices);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_KEYS, t->keys);
+    glBindTextureUnit(PEL_UNIT_VERTICES, t->texels);
+    if (all->vertices > 0) {
+        glUseProgram(programs->together_mesh);
+        glDispatchCompute(pel_groups(all->vertices, PEL_GROUP_LINE), 1, views);
+        glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT |
+                        GL_TEXTURE_FETCH_BARRIER_BIT);
+    }
+    pel_stage_end(&r->timing, PEL_STAGE_MESH);
+    meter(r, env);
+    if (all->vertices > 0) {
+        glUseProgram(t->search);
+        glDispatchCompute(pel_groups(2 * all->vertices, PEL_GROUP_LINE), 1,
+                          views);
+    }
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_UNIFORM_BARRIER_BIT);
+    pel_stage_end(&r->timing, PEL_STAGE_RASTER);
+}
+
+static void begin_list(GLuint list, GLuint binding, GLuint views)
+{
+    const GLuint head[4 + PEL_TOGETHER_MOST] = { 0, 1, views };
+    glNamedBufferSubData(list, 0, sizeof head, head);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, list);
+}
+
+static void dispatch_by(GLuint list)
+{
+    glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, list);
+    glDispatchComputeIndirect(0);
+}
+
+/* From the triangles: while pixels are shaded, who follows outlines waits for
+ * memory most of the time. */
+static void list_outlines(struct pel_renderer *r, const struct extent *all)
+{
+    struct pel_together *t = &r->together;
+    const GLuint views = (GLuint)t->count;
+    begin_list(t->suspects, PEL_STORE_SUSPECTS, views);
+    begin_list(t->edges, PEL_STORE_EDGES, views);
+    glUseProgram(t->find);
+    glDispatchCompute(pel_groups(all->width, PEL_GROUP_LINE),
+                      pel_groups(all->height, PEL_OUTLINE_ROWS), views);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    glUseProgram(t->outline);
+    dispatch_by(t->suspects);
+}
+
+static void shade(struct pel_renderer *r, const struct pel_environment *env,
+                  const struct pel_sea_programs *programs,
+                  const struct extent *all)
+{
+    struct pel_together *t = &r->together;
+    if (env->wakes) { /* tables of the light had their place */
+        pel_wake_map_again(&r->wakes);
+    }
+    if (env->panorama) {
+        glBindTextureUnit(PEL_UNIT_PANORAMA, r->sky.panorama.texture);
+    }
+    if (t->radiance) {
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_RADIANCE,
+                         t->radiance);
+    }
+    glUseProgram(programs->together);
+    glDispatchCompute(pel_groups(all->width, PEL_GROUP_WIDE),
+                      pel_groups(all->height, PEL_GROUP_LOW), (GLuint)t->count);
+}
+
+static void mix_outlines(struct pel_renderer *r, const struct extent *all)
+{
+    struct pel_together *t = &r->together;
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    glUseProgram(r->programs.together_mix);
+    dispatch_by(t->edges);
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, PEL_STORE_KEYS, t->keys, 0,
+                      (GLsizeiptr)(all->pixels * sizeof(GLuint)));
+    glUseProgram(t->clear);
+    glDispatchCompute(
+        CLEAR_COLUMNS,
+        pel_groups((int)all->pixels, (int)(CLEAR_COLUMNS * PEL_GROUP_LINE)), 1);
+}
+
+static struct pel_readback_source source_of(const struct pel_view_together *v,
+                                            int64_t started_ns)
+{
+    const struct pel_camera *c = &v->draw.camera;
+    return (struct pel_readback_source){
+        .auto_exposure = c->auto_exposure,
+        .exposure_ev = c->exposure_ev,
+        .width = c->width,
+        .height = c->height,
+        .rows = c->height,
+        .layers = v->draw.layers,
+        .user = v->draw.user,
+        .started_ns = started_ns,
+    };
+}
+
+/* False: there is no memory. */
+static bool reserve(struct pel_renderer *r,
+                    struct pel_readback_slot *slots[PEL_TOGETHER_MOST])
+{
+    const struct pel_together *t = &r->together;
+    int64_t started_ns = pel_now_ns();
+    for (size_t i = 0; i < t->count; i++) {
+        const struct pel_readback_source source =
+            source_of(&t->views[i], started_ns);
+        slots[i] = pel_readback_reserve(&r->readback, &source);
+        if (!slots[i]) {
+            pel_readback_unreserve(slots, i);
+            return false;
+        }
+    }
+    return true;
+}
+
+static struct extent extent_of(const struct pel_together *t)
+{
+    const struct pel_view_together *last = &t->views[t->count - 1];
+    struct extent all = { .pixels = last->first_pixel + pixels_of(last),
+                          .outlines = last->margin > 0 };
+    for (size_t i = 0; i < t->count; i++) {
+        const struct pel_view_together *v = &t->views[i];
+        const int vertices = v->mesh.vertex_count;
+        const int width = (int)v->view.block.size.x;
+        const int height = (int)v->view.block.size.y;
+        all.vertices = vertices > all.vertices ? vertices : all.vertices;
+        all.width = width > all.width ? width : all.width;
+        all.height = height > all.height ? height : all.height;
+    }
+    return all;
+}
+
+enum pel_err pel_together_draw(struct pel_renderer *r,
+                               const struct pel_environment *env)
+{
+    struct pel_together *t = &r->together;
+    const struct pel_view_together *last = &t->views[t->count - 1];
+    struct pel_readback_slot *slots[PEL_TOGETHER_MOST] = { NULL };
+    const struct extent all = extent_of(t);
+    if (!reserve(r, slots)) {
+        return PEL_ERR_NO_MEMORY;
+    }
+    fit_pixels(t, all.pixels, all.outlines);
+    fit_vertices(t, last->first_vertex + (size_t)last->mesh.vertex_count + 1);
+    r->programs.above = false;
+    const struct pel_sea_programs *programs =
+        pel_programs_of(&r->programs, env->sea);
+    bind_eye(r, env);
+    pel_view_bind_sea(r, env, &last->view.part);
+    bind_views(r, slots);
+    pel_view_bind_wakes(r, env, &last->view);
+    pel_stage_begin(&r->timing);
+    find_surface(r, env, programs, &all);
+    bind_eye(r, env);
+    pel_sky_bind_eye(&r->sky, env, last->view.table_height_m);
+    pel_stage_end(&r->timing, PEL_STAGE_SKY);
+    if (all.outlines) {
+        list_outlines(r, &all);
+    }
+    shade(r, env, programs, &all);
+    if (all.outlines) {
+        mix_outlines(r, &all);
+    }
+    /* The next ones use the same memory. */
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_UNIFORM_BARRIER_BIT |
+                    GL_BUFFER_UPDATE_BARRIER_BIT |
+                    GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+    pel_stage_end(&r->timing, PEL_STAGE_SHADE);
+    pel_readback_send(&r->readback, slots, t->count);
+    pel_stage_end(&r->timing, PEL_STAGE_READBACK);
+    return PEL_OK;
+}
