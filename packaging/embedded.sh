@@ -24,6 +24,7 @@ done
 for package in $missing; do
     found=$(printf '%s\n' "$found" | grep -v "=$from/$package/" || true)
 done
+found=$(printf '%s' "$found") # as the shell reads a file
 [ "$(cat "$out" 2>/dev/null || echo none)" = "$found" ] && exit 0
 for package in $missing; do
     case $package in
