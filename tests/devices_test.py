@@ -157,7 +157,10 @@ class Devices(unittest.TestCase):
 
     def test_bench_tells_each(self):
         with start() as daemon:
-            self.frames(daemon, 0)  # programs are there
+            # What a device took while it made its programs keeps it idle for
+            # some tens of frames.
+            until("both draw a frame", lambda: {
+                f.device for f in self.frames(daemon, 0)} == {0, 1}, PROGRAMS_S)
             out = subprocess.run(
                 [f"{BIN}/pelagosctl", "--server", f"unix:{daemon.unix_path}",
                  "bench", "--views", "w0,w1,w2,w3", "--sizes", "96x64",
