@@ -220,6 +220,22 @@ class Ends(Case):
         self.assertEqual(got[0].status, 404)
         self.assertIn("deleted", got[0].body.decode())
 
+    def test_who_leaves_is_not_waited_for(self):
+        p = self.load()
+        before = self.daemon.metrics()["pelagos_http_connections"]
+        msn = p.first + len(p.segments) + 1
+        waiting = []
+        for _ in range(40):
+            s = self.daemon.connect_http()
+            s.sendall(f"GET {LIST}?_HLS_msn={msn} HTTP/1.1\r\n"
+                      "Host: localhost\r\n\r\n".encode())
+            waiting.append(s)
+        for s in waiting:
+            s.close()
+        until("they are gone", lambda: self.daemon.metrics()[
+            "pelagos_http_connections"] <= before)
+        self.assertEqual(self.daemon.metrics()["pelagos_hls_waiting"], 0)
+
     def test_clock_stands(self):
         """A picture that is long in coming begins another programme."""
         p = self.load()

@@ -551,6 +551,18 @@ void pel_hls_file(struct pel_hls *hls, const char *name, pel_hls_done done,
     wait_or_answer(hls, &w);
 }
 
+bool pel_hls_forget(struct pel_hls *hls, const void *user)
+{
+    for (guint i = 0; i < hls->waiting->len; i++) {
+        struct waiting *w = g_ptr_array_index(hls->waiting, i);
+        if (w->user == user) {
+            g_free(g_ptr_array_steal_index(hls->waiting, i));
+            return true;
+        }
+    }
+    return false;
+}
+
 /* --- life ----------------------------------------------------------------- */
 
 struct pel_hls *pel_hls_create(struct pel_frames *frames)
@@ -596,6 +608,9 @@ void pel_hls_collect(const struct pel_hls *hls, struct pel_metrics_page *page)
     };
     pel_metric(page, "pelagos_hls_streams", PEL_METRIC_GAUGE,
                "HLS streams that are made.", NULL, hls->streams->len);
+    pel_metric(page, "pelagos_hls_waiting", PEL_METRIC_GAUGE,
+               "Requests for HLS that wait for what is not there yet.", NULL,
+               hls->waiting->len);
     for (size_t i = 0; i < G_N_ELEMENTS(counters); i++) {
         pel_metric(page, counters[i].name, PEL_METRIC_COUNTER, counters[i].text,
                    NULL, (double)counters[i].value);

@@ -58,4 +58,8 @@ void pel_hls_playlist(struct pel_hls *hls, const struct pel_hls_wish *wish,
 void pel_hls_file(struct pel_hls *hls, const char *name, pel_hls_done done,
                   void *user);
 
+/* Nobody waits any more for what was asked with this user: `done` is not
+ * called. False: nobody did. */
+bool pel_hls_forget(struct pel_hls *hls, const void *user);
+
 void pel_hls_collect(const struct pel_hls *hls, struct pel_metrics_page *page);
