@@ -123,7 +123,7 @@ vec3 under_above(ivec2 at, vec3 ray, vec3 sight)
 }
 #endif
 
-#if !defined(PEL_OBJECTS) && !defined(PEL_ABOVE) && !defined(PEL_MOTES)
+#if !defined(PEL_OBJECTS) && !defined(PEL_ABOVE)
 // Whatever lies there but objects, as under_find.frag has found it.
 shaded under_scene(ivec2 at, vec3 ray, vec3 sight)
 {
@@ -214,14 +214,8 @@ void main()
     vec3 ray = pixel_ray(lattice(at));
     float ray_length = length(ray);
     vec3 sight = ray / ray_length;
-    float cover = 1.0, rim = 0.0;
-    if (under_lens.x > 0.5) {
-        float line = under_line(sight);
-        // The lens is focused on what is far: its dome is blurred.
-        const float SOFT = 0.006;
-        cover = smoothstep(-SOFT, SOFT, line);
-        rim = 0.55 * exp(-line * line * (0.5 / (0.012 * 0.012)));
-    }
+    vec2 wet = under_cover(sight);
+    float cover = wet.x, rim = wet.y;
     veil_water();
     if (cover + rim < 1e-3) {
         discard;
@@ -247,14 +241,10 @@ void main()
 #elif defined(PEL_ABOVE)
     const float hulls = 0.0;
     shaded s = only_light(under_above(at, ray, sight));
-#elif defined(PEL_MOTES)
-    const float hulls = 0.0;
-    shaded s = only_light(under_motes_seen(sight, texelFetch(under_found, at, 0).x));
 #else
     const float hulls = 1.0;
     shaded s = under_scene(at, ray, sight);
 #endif
-    // The meniscus along the line turns away what is behind it.
     float kept = under_lens.x > 0.5 ? cover * (1.0 - rim) : 1.0;
     s.radiance *= kept;
 #ifdef PEL_LAYERS

@@ -133,6 +133,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_lamp_glow_finish(&r->glows);
         pel_acuity_finish(&r->acuity);
         pel_under_map_finish(&r->under);
+        pel_mote_map_finish(&r->motes);
         pel_wake_map_finish(&r->wakes);
         pel_shore_map_finish(&r->shore);
         glDeleteBuffers(1, &r->vertices);
@@ -246,6 +247,9 @@ static enum pel_err need_under(struct pel_renderer *r,
     if (err == PEL_OK) {
         err = pel_under_map_need(&r->under, env, &r->programs, PEL_SHADE_LIGHT,
                                  fault);
+    }
+    if (err == PEL_OK && pel_mote_map_shows(env, layers)) {
+        err = pel_mote_map_need(&r->motes, env, &r->programs, fault);
     }
     struct pel_pass pass = pel_pass_first(layers, false);
     do {

@@ -13,6 +13,7 @@
 #include "optics/clouds.h"
 #include "optics/fog.h"
 #include "optics/lamp.h"
+#include "optics/motes.h"
 #include "optics/watertable.h"
 #include "proto/layers.h"
 #include "render/filtering.h"
@@ -83,9 +84,9 @@ struct pel_environment {
      * levels 0: that of `water` alone. */
     struct pel_water_depths depths;
     const struct pel_seabed *seabed; /* NULL: flat, at the water's depth */
-    double particles_m3; /* suspended ones that an eye under water sees */
-    bool caustics;       /* the waves focus light on it */
-    bool sparkle;        /* of the glitter: blocks.h */
+    struct pel_mote_water motes; /* particles that an eye under water sees */
+    bool caustics;               /* the waves focus light on it */
+    bool sparkle;                /* of the glitter: blocks.h */
     const struct pel_object *objects; /* things on the sea that are drawn */
     size_t object_count;
     const struct pel_lamp *lamps; /* lit, optics/lamp.h */

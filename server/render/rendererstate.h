@@ -16,6 +16,7 @@
 #include "render/lampmap.h"
 #include "render/mesh.h"
 #include "render/meter.h"
+#include "render/motemap.h"
 #include "render/objects.h"
 #include "render/panemap.h"
 #include "render/probe.h"
@@ -49,6 +50,7 @@ struct pel_renderer {
     struct pel_lamp_glow glows;
     struct pel_acuity acuity;
     struct pel_under_map under;
+    struct pel_mote_map motes;
     bool lost;
     struct pel_filtering filtering;
     struct pel_filter filter; /* its bounds */

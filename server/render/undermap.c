@@ -85,7 +85,7 @@ static enum pel_err need(struct pel_under_map *map, const char *shader_dir,
     return PEL_OK;
 }
 
-enum part { SHAFTS, FIND, SCENE, MOTES, HULLS, ABOVE, PARTS };
+enum part { SHAFTS, FIND, SCENE, HULLS, ABOVE, PARTS };
 
 static void defines_of(const struct pel_environment *env,
                        const struct pel_programs *p, enum part part,
@@ -95,7 +95,6 @@ static void defines_of(const struct pel_environment *env,
         [SHAFTS] = "#define PEL_SHAFT\n",
         [FIND] = "#define PEL_FIND\n",
         [SCENE] = "",
-        [MOTES] = "#define PEL_MOTES\n",
         [HULLS] = "#define PEL_OBJECTS\n",
         [ABOVE] = "#define PEL_ABOVE\n",
     };
@@ -127,16 +126,11 @@ enum pel_err pel_under_map_need(struct pel_under_map *map,
     }
     static const char *const files[PARTS] = { "under_shafts.comp",
                                               "under_find.frag" };
-    const bool wanted[PARTS] = { true,
-                                 true,
-                                 true,
-                                 env->particles_m3 > 0,
-                                 env->object_count > 0,
+    const bool wanted[PARTS] = { true, true, true, env->object_count > 0,
                                  env->object_count > 0 };
     for (int i = 0; i < PARTS && err == PEL_OK; i++) {
         const char *file = files[i] ? files[i] : "under.frag";
-        const bool added = i == MOTES || i == ABOVE;
-        defines_of(env, p, (enum part)i, added ? PEL_SHADE_LIGHT : kind,
+        defines_of(env, p, (enum part)i, i == ABOVE ? PEL_SHADE_LIGHT : kind,
                    defines);
         if (wanted[i]) {
             err = need(map, p->shader_dir, i == SHAFTS ? file : "screen.vert",
@@ -328,25 +322,6 @@ static double depth_in_light(const struct pel_environment *env,
     return fmax(depth + raised * near, 0.0);
 }
 
-/* They sink, and drift with the wind's stir. */
-static struct pel_vec4 motes_at(const struct pel_environment *env,
-                                const struct pel_camera *c)
-{
-    const double sinks_mps = 1e-3, drifts_mps = 0.02;
-    double side = pow(env->particles_m3, -1.0 / 3.0), t = env->time_s;
-    const double at[3] = {
-        c->east_m - drifts_mps * t * cos(env->wind_to_rad),
-        c->north_m - drifts_mps * t * sin(env->wind_to_rad),
-        c->altitude_m + sinks_mps * t,
-    };
-    double cell[3];
-    for (int i = 0; i < 3; i++) {
-        cell[i] = at[i] / side -
-                  PEL_MOTE_CELLS * floor(at[i] / side / PEL_MOTE_CELLS);
-    }
-    return vec4(cell[0], cell[1], cell[2], side);
-}
-
 static void fill_block(const struct pel_under_map *map,
                        const struct pel_environment *env,
                        const struct pel_sky *sky, const struct pel_camera *c,
@@ -359,8 +334,7 @@ static void fill_block(const struct pel_under_map *map,
     *out = (struct pel_block_under){
         .under_eye = vec4(-c->altitude_m, place->above_m, place->slope.x,
                           place->slope.y),
-        .under_lens =
-            vec4(place->state == PEL_LENS_CROSSED, env->time_s, 0.0, shafts),
+        .under_lens = vec4(place->state == PEL_LENS_CROSSED, 0.0, 0.0, shafts),
         .under_scaled = rgb(m->scaled, 0.0),
         .under_full = rgb(m->full, 0.0),
         .under_scatter = rgb(env->water.scattering, 0.0),
@@ -373,9 +347,6 @@ static void fill_block(const struct pel_under_map *map,
         .under_drift = vec4(depth_in_light(env, c, place), FACETS, 0.0,
                             m->peak_square / (TURNED * TURNED)),
     };
-    if (env->particles_m3 > 0) {
-        out->under_motes = motes_at(env, c);
-    }
     for (int i = 0; i < env->lit; i++) {
         const struct pel_vec3 to = env->lights[i].direction;
         double x = to.x / PEL_WATER_INDEX, y = to.y / PEL_WATER_INDEX;
@@ -432,6 +403,12 @@ void pel_under_map_shafts(struct pel_under_map *map,
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
                     GL_TEXTURE_UPDATE_BARRIER_BIT | GL_FRAMEBUFFER_BARRIER_BIT);
     glGenerateTextureMipmap(map->shafts);
+}
+
+double pel_under_map_least(const struct pel_under_map *map)
+{
+    const double *c = map->medium.scaled;
+    return fmin(c[0], fmin(c[1], c[2]));
 }
 
 /* --- drawing -------------------------------------------------------------- */
@@ -566,8 +543,5 @@ void pel_under_map_draw(struct pel_under_map *map,
         draw_light(map, env, p, ABOVE, targets);
         draw_light(map, env, p, HULLS, targets);
         draw_layers(map, env, p, HULLS, targets, asked, false);
-    }
-    if (env->particles_m3 > 0) {
-        draw_light(map, env, p, MOTES, targets);
     }
 }

@@ -90,6 +90,9 @@ void pel_under_map_shafts(struct pel_under_map *map,
                           const struct pel_environment *env,
                           const struct pel_programs *programs);
 
+/* The least extinction of the water that it was made for. [1/m] */
+double pel_under_map_least(const struct pel_under_map *map);
+
 /* Draws its pixels into the targets; `asked`: the layers without the colour.
  * The mesh of the eye is in targets.triangles, objects (NULL: none) are
  * rasterised. Leaves the viewport as it was. */

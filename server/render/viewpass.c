@@ -340,6 +340,11 @@ static void draw_in_water(struct pel_renderer *r,
     pel_under_map_draw(&r->under, env, &r->programs, &r->targets, now,
                        v->lens.state == PEL_LENS_CROSSED,
                        r->any_objects ? &r->objects : NULL, &v->block);
+    if (pel_mote_map_shows(env, v->asked)) {
+        pel_mote_map_put(&r->motes, env, &r->programs, &v->whole,
+                         pel_under_map_least(&r->under), &v->block,
+                         r->any_objects, &r->targets);
+    }
     if (r->programs.compute) {
         glClearNamedBufferData(r->targets.keys, GL_R32UI, GL_RED_INTEGER,
                                GL_UNSIGNED_INT, NULL);

@@ -280,7 +280,11 @@ static void fill(const Pelagos__State *state, struct pel_snapshot *out)
     out->wind_to_rad = pel_goes_to(state->sea->wind_direction);
     place_water(state->water, state->seabed, &out->water_desc, &out->water);
     out->water_orders = (enum pel_water_orders)state->water->orders;
-    out->particles_m3 = state->water->particles;
+    out->motes = (struct pel_mote_water){
+        state->water->particles,
+        state->water->particle_exponent,
+        1e-3 * state->water->particle_largest,
+    };
     out->caustics = state->seabed->caustics;
     out->sparkle = state->sea->sparkle;
     out->chlorophyll_mg_m3 = state->water->chlorophyll;

@@ -16,6 +16,7 @@
 #include "optics/fog.h"
 #include "optics/light.h"
 #include "optics/lightning.h"
+#include "optics/motes.h"
 #include "optics/nightsky.h"
 #include "optics/waterbody.h"
 #include "panorama/panorama.h"
@@ -171,7 +172,7 @@ struct pel_snapshot {
     struct pel_water_body water;
     struct pel_water_desc water_desc; /* what it was resolved from */
     enum pel_water_orders water_orders;
-    double particles_m3;             /* that an eye under water sees */
+    struct pel_mote_water motes;     /* that an eye under water sees */
     const struct pel_seabed *seabed; /* NULL: flat, at the water's depth */
     bool caustics;
     bool sparkle;

@@ -145,6 +145,7 @@ struct pel_uvec4 {
 #define PEL_STORE_PROBE_ANSWERS 6
 #define PEL_STORE_FILTERED 0 /* 0, 1: filtered.comp */
 #define PEL_STORE_FILTERED_ANSWERS 1
+#define PEL_STORE_MOTES 2         /* particles in the water */
 #define PEL_STORE_STARS 2        /* of a view, as it is shaded */
 #define PEL_STORE_RADIANCE 6     /* of views that are drawn together */
 #define PEL_STORE_PICTURES 8     /* 8 to 15: their readback buffers */
@@ -1109,11 +1110,20 @@ PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
 #define PEL_UNDER_NOTHING 0.0
 #define PEL_UNDER_SURFACE 1.0
 #define PEL_UNDER_BOTTOM 2.0
-/* Suspended particles, one a cell: cells until they are the same again; seen
- * from NEAREST m on, through so many cells. */
-#define PEL_MOTE_CELLS 1024
-#define PEL_MOTE_NEAREST_M 0.15
-#define PEL_MOTE_STEPS 24
+/* Suspended particles that are seen one by one: the smallest; drawn as far as
+ * one is a pixel over SEEN wide, from NEAREST on; at most so many a picture; how
+ * much of what falls on one it scatters; mean cosines of the light around it,
+ * from above and from below (Mobley 1994, section 3.2). */
+#define PEL_MOTE_LEAST_M 0.5e-3
+#define PEL_MOTE_SEEN 4.0
+#define PEL_MOTE_NEAREST_M 0.12
+#define PEL_MOTE_MOST 81920
+#define PEL_MOTE_WHITE 0.8
+#define PEL_MOTE_COSINE_DOWN 0.8
+#define PEL_MOTE_COSINE_UP 0.45
+/* Beyond a picture's edges that middles of particles may lie, px; and how wide
+ * one is at most. */
+#define PEL_MOTE_MARGIN 64
 /* Radius of the dome before a lens that waves may cross, m. */
 #define PEL_UNDER_DOME 0.1
 #if defined(__STDC__) || defined(PEL_UNDER)
@@ -1121,8 +1131,7 @@ PEL_BLOCK(PEL_BLOCK_UNDER, under)
 {
     vec4 under_eye;     /* x depth below the mean sea, m; y the water's surface
                            above the eye, m; zw its slope there */
-    vec4 under_lens;    /* x 1: the surface crosses the lens; y time, s, of
-                           particles; z particles, 1/m³; w 1: shafts */
+    vec4 under_lens;    /* x 1: the surface crosses the lens; w 1: shafts */
     vec4 under_scaled;  /* rgb extinction without the forward peak, 1/m */
     vec4 under_full;    /* rgb extinction, 1/m */
     vec4 under_scatter; /* rgb scattering, 1/m */
@@ -1137,8 +1146,6 @@ PEL_BLOCK(PEL_BLOCK_UNDER, under)
                         that would spread a beam as the forward peak does */
     vec4 under_beams[PEL_LIGHTS]; /* xyz towards it, in the water; w irradiance
                                      normal to it for 1 above the surface */
-    vec4 under_motes; /* xyz the eye's place in cells of particles, of
-                         PEL_MOTE_CELLS; w side of a cell, m */
     vec4 under_turns[PEL_UNDER_TURNS + 1]; /* rgb log2 of the phase function
                                               without its peak */
 };

@@ -1,6 +1,8 @@
 // What an eye in the water sees in a pixel: the surface from below, the bottom,
 // hulls, and the water before them.
 
+#include "lib/underlens.glsl"
+
 layout(binding = PEL_UNIT_SHAFTS) uniform sampler2DArray shafts;
 
 // Light by its way.
@@ -73,57 +75,6 @@ vec3 under_levelled(vec3 sight, float s)
     vec2 level = sight.xy * inversesqrt(max(dot(sight.xy, sight.xy), 1e-9));
     return vec3(level * sqrt(1.0 - up_ * up_), up_);
 }
-
-#ifdef PEL_MOTES
-// Numbers from 0 to 1 of a cell.
-vec4 mote_numbers(ivec3 cell)
-{
-    uvec3 c = uvec3(cell & (PEL_MOTE_CELLS - 1));
-    uint h = c.x * 73856093u ^ c.y * 19349663u ^ c.z * 83492791u;
-    uvec4 n = uvec4(h) * uvec4(747796405u, 2891336453u, 277803737u, 1181783497u) + 2654435769u;
-    n = (n ^ n >> 15u) * 2246822519u;
-    n ^= n >> 13u;
-    return vec4(n >> 8u) * (1.0 / 16777216.0);
-}
-
-// What suspended particles before s m add: from cell to cell along the sight,
-// each a disc as large as it is or as the lens, focused far away, blurs it.
-vec3 under_motes_seen(vec3 sight, float s)
-{
-    vec3 p = under_motes.xyz;
-    float side = under_motes.w;
-    ivec3 cell = ivec3(floor(p));
-    ivec3 ahead = ivec3(sign(sight));
-    vec3 inverse = 1.0 / max(abs(sight), vec3(1e-5));
-    vec3 into = p - vec3(cell);
-    vec3 next = mix(into, 1.0 - into, greaterThan(sight, vec3(0.0))) * inverse;
-    float farthest = min(s, 0.55 * float(PEL_MOTE_STEPS) * side), turn = 6.2831853 * under_lens.y;
-    float sum = 0.0;
-    for (int i = 0; i < PEL_MOTE_STEPS; i++) {
-        vec4 n = mote_numbers(cell);
-        // They sway about their places.
-        vec3 sway = 0.08 * sin(turn * (0.05 + 0.1 * n.zxy) + 6.2831853 * n.yzx);
-        vec3 off = (vec3(cell) + 0.5 + 0.6 * (n.xyz - 0.5) + sway - p) * side;
-        float along = dot(off, sight);
-        float across2 = max(dot(off, off) - along * along, 0.0);
-        float size_ = mix(0.15e-3, 0.75e-3, n.w * n.w);
-        float wide = max(max(size_, 0.5 * PEL_FALL_LENS_M), 0.7 * pixel.x * along);
-        float disc = 1.0 - smoothstep(0.5, 1.0, across2 / (wide * wide));
-        float seen = smoothstep(PEL_MOTE_NEAREST_M, 2.5 * PEL_MOTE_NEAREST_M, along) *
-                     (1.0 - smoothstep(0.6 * farthest, farthest, along)) * (along < s ? 1.0 : 0.0);
-        sum += seen * disc * size_ * size_ / (wide * wide);
-        bvec3 first = lessThanEqual(next, min(next.yzx, next.zxy));
-        cell += ahead * ivec3(first);
-        next += inverse * vec3(first);
-    }
-    // Grains that send light to all sides.
-    vec3 light = under_flux(under_depth(), 0.0) + under_flux(under_depth(), 1.0);
-    for (int i = 0; i < PEL_LIT; i++) {
-        light += under_beam(i, under_depth());
-    }
-    return light * (sum * 0.7 / (2.0 * PI));
-}
-#endif
 
 // The water before what is s m away; with what shafts add.
 under_light under_water(vec3 sight, float s, under_light beyond, vec3 shafts_)
@@ -300,10 +251,3 @@ under_light under_object(vec3 ray, uvec2 number, vec3 sight, out float s, out ob
     return l;
 }
 #endif
-
-// How far a pixel lies on the water's side of the line that the surface draws
-// on a dome before the lens, rad.
-float under_line(vec3 sight)
-{
-    return under_eye.y / PEL_UNDER_DOME - sight.z + dot(under_eye.zw, sight.xy);
-}

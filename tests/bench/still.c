@@ -314,7 +314,7 @@ int main(int argc, char **argv)
     struct pel_environment env = bench_environment(&shown, &sea);
     env.seabed = bottom();
     env.caustics = get("caustics") > 0;
-    env.particles_m3 = get("motes");
+    env.motes = (struct pel_mote_water){ get("motes"), 4.0, 8e-3 };
     env.sparkle = get("sparkle") > 0;
     env.origin_latitude_rad = get("lat") * PEL_DEG;
     env.origin_longitude_rad = get("lon") * PEL_DEG;

@@ -380,10 +380,15 @@ class Water(Record):
     #: Raman scattering by the water: some light of shorter waves becomes green
     #: and red. With orders ALL.
     raman: bool = _field(True)
-    #: Suspended particles of 0.3 to 1.5 mm that an eye under water sees one by
-    #: one, sinking and swaying; their light is not in the water's own. [1/m3;
-    #: 0 to 1000]
-    particles: float = _field(0.0, '1/m3', 0, 1000)
+    #: Suspended particles of more than 0.5 mm, marine snow, that an eye under
+    #: water sees one by one, sinking and swaying with the waves; their light
+    #: is not in the water's own. Clear water has some hundred, coastal water
+    #: thousands. [1/m3; 0 to 50000]
+    particles: float = _field(0.0, '1/m3', 0, 50000)
+    #: Their number by diameter d falls as d^-this. [1; 2.5 to 6]
+    particleExponent: float = _field(4.0, '1', 2.5, 6)
+    #: The largest of them. [mm; 1 to 30]
+    particleLargest: float = _field(8.0, 'mm', 1, 30)
 
 
 @dataclass(frozen=True)
