@@ -543,7 +543,7 @@ $(O)/bin/shiptrace: $(call obj,tests/validate/shiptrace/shiptrace.c $(SHIPTRACE)
 $(O)/bin/shiptrace_test: $(call obj,$(SHIPTRACE))
 
 AIRTRACE := $(addprefix tests/validate/airtrace/,airmodel.c airsun.c \
-    airground.c airpath.c)
+    airground.c airglow.c airpath.c)
 $(O)/bin/airtrace: $(call obj,tests/validate/airtrace/airtrace.c $(AIRTRACE))
 	$(LINK) -lm
 $(O)/bin/airtrace_test: $(call obj,$(AIRTRACE))
@@ -551,7 +551,9 @@ $(O)/bin/airtrace_test: $(call obj,$(AIRTRACE))
 $(O)/bin/airours: $(OBJ)/tests/validate/airtrace/airours.o $(OBJ)/libserver.a
 	$(LINK) -lm
 
-SPACETRACE := $(AIRTRACE) tests/validate/spacetrace/spacesight.c
+SPACETRACE := $(AIRTRACE) $(addprefix tests/validate/,spacetrace/spacesight.c \
+    spacetrace/spacewaves.c seatrace/seaspectrum.c seatrace/seasurface.c \
+    seatrace/searay.c)
 $(O)/bin/spacetrace: $(call obj,tests/validate/spacetrace/spacetrace.c $(SPACETRACE))
 	$(LINK) -lm
 $(O)/bin/spacetrace_test: $(call obj,$(SPACETRACE))
@@ -567,7 +569,7 @@ $(O)/bin/cloudtrace: $(OBJ)/tests/validate/cloudtrace.o
 
 VALIDATE_PARTS := sea sky drawn numbers eye foam night ship space
 VALIDATE_BIN := $(addprefix $(O)/bin/,seatrace shiptrace spacetrace airours validate_water brdf_test facets_test \
-    directional_test ndbc_test welch_test cascade_test probe_test shimmer_test drawn_test)
+    directional_test ndbc_test welch_test cascade_test probe_test shimmer_test drawn_test space_rows_test)
 .PHONY: validate $(addprefix validate-,$(VALIDATE_PARTS))
 validate: deps-build ## light, waves, water, eye, ships against references: tables and plots in build/validate/ (ARGS=--quick: a minute)
 	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)

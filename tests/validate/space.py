@@ -78,7 +78,8 @@ def traced(height, elevation, azimuth, angles, slopes, toward, error):
          "--heights", f"{height:g}", "--sun", f"{90 - elevation:g}",
          "--radius", f"{RADIUS_M / 1e3:g}", "--visibility", "40",
          "--slopes", f"{slopes[0]:g},{slopes[1]:g}", "--toward", f"{toward:g}",
-         "--water", WATER, "--error", f"{error:g}"],
+         "--water", WATER, "--error", f"{error:g}",
+         "--ground", "waves", "--wind", f"{WIND:g}"],
         input=lines, capture_output=True, text=True, check=True).stdout
     rows = out.splitlines()
     names = rows[0].split(",")

@@ -63,7 +63,9 @@ def parts(options):
         "eye": [script("eye.py", options)],
         "foam": [script("foam.py", options)],
         "night": [script("night.py", options)],
-        "space": [script("space.py", options)],
+        "space": [script("space.py", options),
+                  [os.path.join(BIN, "space_rows_test")]
+                  + ([] if options.quick else ["--long"])],
     }
 
 
@@ -371,6 +373,13 @@ def space_checks(folder):
                f"{r['heights'][-1] / 1e3:g} km", "luminance moves as the "
                "trace's, ≤ 1 % an octave", f"{100 * max(moves):.2f} %, noise "
                f"{100 * max(r['noise']):.2f} %", r["pass"])
+    rows = said(folder, "space_rows_test",
+                r"(\d+)° below: ([\d.]+) % an octave.* ([\d.]+) %")
+    for below, most, noise in rows:
+        yield (f"rows {below}° below the horizontal from 2 m to 400 km, "
+               "without the air", "luminance moves by ≤ 1 % an octave",
+               f"{most} %, noise {noise} %",
+               float(most) <= 1 + 2 * float(noise))
 
 
 CHECKS = {"sea": sea_checks, "sky": sky_checks, "water": water_checks,

@@ -1,5 +1,7 @@
 #include "airpath.h"
 
+#include "airglow.h"
+
 #include <stdbool.h>
 
 #define PI 3.14159265358979323846
@@ -9,17 +11,16 @@ enum { PIECES = 24, SIGHT_PIECES = 240, LATTICE = 8, TURNS = 1000 };
 /* Below this weight a path goes on by chance. */
 #define FAINT 0.1
 
+/* Share of paths that go on from the water, where it is told apart. */
+#define OF_WATER 0.2
+
 /* Share of turns that are sought by the light there, and about what light of
  * higher orders is to the Sun's at dusk. */
 #define GUIDED 0.65
 #define GLOOM 0.005
 
-/* Share of directions that are sought towards the glow over the only Sun, and
- * how that is drawn: by Cauchy's density in elevation about the middle between
- * level and the ground's edge, rad, and wrapped round the horizon. */
+/* Share of directions that are sought towards the glow over the only Sun. */
 #define TO_GLOW 0.5
-#define GLOW_WIDE 0.1
-#define GLOW_ROUND 0.5
 #define GLOW_WAY 40.0
 
 /* A ray in pieces: how far each begins and how deep it lies, and the chance to
@@ -41,6 +42,8 @@ struct walk {
     double lattice[LATTICE];
     int used;
     double *light;
+    bool at_first; /* the sight itself has not ended */
+    enum air_part part;
 };
 
 static double height_at(const struct ray *ray, const struct air *air, double t)
@@ -203,6 +206,22 @@ static void gather_air(struct walk *walk, struct air_vec p, struct air_vec d,
     }
 }
 
+/* Of a beam, by the ground; by what the sight itself meets. */
+static double reflected(const struct walk *walk, struct air_vec back,
+                        struct air_vec sun, struct air_vec up)
+{
+    const struct air_ground *ground = walk->scene->ground;
+    const struct air_first *first = walk->sight->first;
+    int channel = walk->sight->channel;
+    double cosine = fmax(air_dot(up, sun), 0);
+    double all = air_ground_reflect(ground, channel, back, sun, up) * cosine;
+    return walk->at_first && first
+               ? all + first->again[channel] +
+                     ground->albedo[channel] / PI *
+                         (first->leaves[channel] - 1) * cosine
+               : all;
+}
+
 static void gather_ground(struct walk *walk, struct air_vec p, struct air_vec d,
                           double weight)
 {
@@ -216,58 +235,8 @@ static void gather_ground(struct walk *walk, struct air_vec p, struct air_vec d,
         double cosine = air_dot(up, walk->suns[i]);
         double sun = air_sun_seen(&place, cosine);
         walk->light[i] +=
-            weight * sun * fmax(cosine, 0) *
-            air_ground_reflect(scene->ground, walk->sight->channel, back,
-                               walk->suns[i], up);
+            weight * sun * reflected(walk, back, walk->suns[i], up);
     }
-}
-
-/* The glow of dusk as seen from a place. */
-struct glow {
-    struct air_vec up, toward, beside;
-    double middle, low, range; /* of the elevation, and of what is drawn */
-};
-
-static struct glow glow_at(struct air_vec p, struct air_vec sun, double ground)
-{
-    struct glow g;
-    double r = sqrt(air_dot(p, p));
-    g.up = (struct air_vec){ p.x / r, p.y / r, p.z / r };
-    struct air_vec t = air_along(sun, -air_dot(sun, g.up), g.up);
-    double level = sqrt(air_dot(t, t));
-    g.toward = (struct air_vec){ t.x / level, t.y / level, t.z / level };
-    g.beside = (struct air_vec){ g.up.y * g.toward.z - g.up.z * g.toward.y,
-                                 g.up.z * g.toward.x - g.up.x * g.toward.z,
-                                 g.up.x * g.toward.y - g.up.y * g.toward.x };
-    g.middle = -0.5 * acos(fmin(ground / r, 1));
-    g.low = atan((-PI / 2 - g.middle) / GLOW_WIDE);
-    g.range = atan((PI / 2 - g.middle) / GLOW_WIDE) - g.low;
-    return g;
-}
-
-static struct air_vec glow_turn(const struct glow *g, double u, double v)
-{
-    double e = g->middle + GLOW_WIDE * tan(g->low + u * g->range);
-    double a =
-        2 * atan((1 - GLOW_ROUND) / (1 + GLOW_ROUND) * tan(PI * (v - 0.5)));
-    double level = cos(e), x = level * cos(a), y = level * sin(a), z = sin(e);
-    return (struct air_vec){
-        x * g->toward.x + y * g->beside.x + z * g->up.x,
-        x * g->toward.y + y * g->beside.y + z * g->up.y,
-        x * g->toward.z + y * g->beside.z + z * g->up.z,
-    };
-}
-
-/* 1/sr */
-static double glow_density(const struct glow *g, struct air_vec d)
-{
-    double z = air_dot(d, g->up);
-    double level = sqrt(fmax(1 - z * z, 1e-12));
-    double away = (asin(z > 1 ? 1 : z < -1 ? -1 : z) - g->middle) / GLOW_WIDE;
-    double round = air_dot(d, g->toward) / level;
-    return (1 - GLOW_ROUND * GLOW_ROUND) /
-           (2 * PI * (1 + GLOW_ROUND * GLOW_ROUND - 2 * GLOW_ROUND * round)) /
-           (g->range * GLOW_WIDE * (1 + away * away) * level);
 }
 
 /* The next direction by molecules, aerosols or towards the glow, and the
@@ -280,12 +249,12 @@ static double scatter(struct walk *walk, struct air_vec p,
     double glow = walk->to_glow * exp(-GLOW_WAY * point.aerosols);
     double which = number(walk), u = number(walk), v = number(walk);
     struct air_vec from = *d;
-    struct glow sought = { .range = 1 };
+    struct air_glow sought = { .range = 1 };
     if (glow > 0) {
-        sought = glow_at(p, walk->suns[0], air->ground);
+        sought = air_glow_at(p, walk->suns[0], air->ground);
     }
     if (which < glow) {
-        *d = glow_turn(&sought, u, v);
+        *d = air_glow_turn(&sought, u, v);
     } else if ((which - glow) * both < (1 - glow) * point.molecules) {
         *d = air_turned(from, air_turn_molecules(air, u), 2 * PI * v);
     } else {
@@ -297,9 +266,38 @@ static double scatter(struct walk *walk, struct air_vec p,
     double density =
         (1 - glow) *
         (molecules + point.aerosols * air_aerosols_density(air, cosine)) / both;
-    density += glow > 0 ? glow * glow_density(&sought, *d) : 0;
+    density += glow > 0 ? glow * air_glow_density(&sought, *d) : 0;
     return (molecules + point.aerosols * air_phase_aerosols(air, cosine)) /
            density;
+}
+
+/* At what the sight itself meets: on from the water, or from the mirror. */
+static double bounce_first(struct walk *walk, struct air_vec up,
+                           const double u[3], struct air_vec *d)
+{
+    const struct air_first *first = walk->sight->first;
+    int channel = walk->sight->channel, i = 0, end = first->count - 1;
+    if (u[2] < OF_WATER) {
+        walk->part = AIR_LEFT_WATER;
+        *d = air_turned(up, sqrt(u[0]), 2 * PI * u[1]);
+        return walk->scene->ground->albedo[channel] * first->leaves[channel] /
+               OF_WATER;
+    }
+    if (end < 0) {
+        return 0;
+    }
+    double wanted = u[0] * first->escapes[end].upto;
+    while (i < end) {
+        int middle = (i + end) / 2;
+        if (first->escapes[middle].upto > wanted) {
+            end = middle;
+        } else {
+            i = middle + 1;
+        }
+    }
+    const struct air_escape *e = &first->escapes[i];
+    *d = e->toward;
+    return first->drawn * e->weight[channel] / e->weight[1] / (1 - OF_WATER);
 }
 
 /* Turns at the ray's end on the ground; the weight that it costs. */
@@ -309,6 +307,12 @@ static double bounce(struct walk *walk, struct air_vec p, struct air_vec *d)
     struct air_vec up = { p.x / r, p.y / r, p.z / r };
     struct air_vec back = { -d->x, -d->y, -d->z };
     double a = number(walk), b = number(walk), c = number(walk);
+    if (walk->at_first) {
+        walk->part = AIR_MIRRORED;
+        if (walk->sight->first) {
+            return bounce_first(walk, up, (const double[3]){ a, b, c }, d);
+        }
+    }
     *d = air_ground_sample(walk->scene->ground, walk->sight->channel, back, up,
                            (const double[3]){ a, b, c }, &weight);
     return weight;
@@ -348,7 +352,10 @@ static void follow(struct walk *walk, const struct ray *sight)
 {
     struct ray ray;
     struct air_vec p = sight->from, d = sight->toward;
+    walk->at_first = true;
+    walk->part = AIR_TURNED;
     double weight = step(walk, sight, walk->sight->first_order, 1, &p, &d);
+    walk->at_first = false;
     for (int turns = 1; turns < TURNS && weight > 0; turns++) {
         if (weight < FAINT) {
             if (sea_random_unit(&walk->random) * FAINT >= weight) {
@@ -415,9 +422,35 @@ void air_once(const struct air_scene *scene, const struct air_sight *sight,
         }
     }
     if (ray.ends_on_ground) {
+        walk.at_first = true;
         gather_ground(&walk,
                       air_along(ray.from, ray.start[ray.pieces], ray.toward),
                       ray.toward, exp(-ray.depth[ray.pieces]));
+    }
+}
+
+static void paths_of(struct walk *walk, const struct ray *ray, int paths,
+                     uint64_t seed, double part[AIR_PARTS])
+{
+    sea_random_init(&walk->random, seed);
+    /* The plastic number's sequence in eight dimensions (Roberts 2018). */
+    double root = 2, shift[LATTICE], pace[LATTICE];
+    for (int i = 0; i < 60; i++) {
+        root = pow(1 + root, 1.0 / (LATTICE + 1));
+    }
+    for (int i = 0; i < LATTICE; i++) {
+        shift[i] = sea_random_unit(&walk->random);
+        pace[i] = pow(root, -(i + 1));
+    }
+    for (int n = 0; n < paths; n++) {
+        for (int i = 0; i < LATTICE; i++) {
+            double x = shift[i] + n * pace[i];
+            walk->lattice[i] = x - floor(x);
+        }
+        walk->used = 0;
+        double before = walk->light[0];
+        follow(walk, ray);
+        part[walk->part] += (walk->light[0] - before) / paths;
     }
 }
 
@@ -426,30 +459,30 @@ void air_more(const struct air_scene *scene, const struct air_sight *sight,
 {
     struct walk walk;
     struct ray ray;
+    double part[AIR_PARTS] = { 0 };
     begin(&walk, scene, sight, light);
     if (!look(&ray, scene, sight)) {
         return;
     }
     weigh(&ray, &walk);
-    sea_random_init(&walk.random, seed);
-    /* The plastic number's sequence in eight dimensions (Roberts 2018). */
-    double root = 2, shift[LATTICE], pace[LATTICE];
-    for (int i = 0; i < 60; i++) {
-        root = pow(1 + root, 1.0 / (LATTICE + 1));
-    }
-    for (int i = 0; i < LATTICE; i++) {
-        shift[i] = sea_random_unit(&walk.random);
-        pace[i] = pow(root, -(i + 1));
-    }
-    for (int n = 0; n < paths; n++) {
-        for (int i = 0; i < LATTICE; i++) {
-            double x = shift[i] + n * pace[i];
-            walk.lattice[i] = x - floor(x);
-        }
-        walk.used = 0;
-        follow(&walk, &ray);
-    }
+    paths_of(&walk, &ray, paths, seed, part);
     for (int i = 0; i < sight->suns; i++) {
         light[i] /= paths;
+    }
+}
+
+void air_parts(const struct air_scene *scene, const struct air_sight *sight,
+               int paths, uint64_t seed, double part[AIR_PARTS])
+{
+    struct walk walk;
+    struct ray ray;
+    double light[AIR_SUNS];
+    begin(&walk, scene, sight, light);
+    for (int i = 0; i < AIR_PARTS; i++) {
+        part[i] = 0;
+    }
+    if (look(&ray, scene, sight)) {
+        weigh(&ray, &walk);
+        paths_of(&walk, &ray, paths, seed, part);
     }
 }

@@ -66,39 +66,69 @@ static bool stretch(const struct air *air, const struct space_eye *eye,
     return true;
 }
 
-bool space_sight(const struct air *air, const struct space_eye *eye,
-                 struct air_vec toward, int channel, struct air_sight *sight)
+/* Upright at the sight's first place, and the Sun over x. */
+struct frame {
+    struct air_vec x, y, up;
+    double radius, from, to;
+};
+
+static bool frame_of(const struct air *air, const struct space_eye *eye,
+                     struct air_vec toward, struct frame *f)
 {
-    double from, to;
-    if (!stretch(air, eye, toward, &from, &to)) {
+    if (!stretch(air, eye, toward, &f->from, &f->to)) {
         return false;
     }
-    struct air_vec p = air_along(eye_at(air, eye), from, toward);
+    struct air_vec p = air_along(eye_at(air, eye), f->from, toward);
     struct air_vec sun = sun_of(eye);
     double r = sqrt(air_dot(p, p));
     struct air_vec up = { p.x / r, p.y / r, p.z / r };
-    double high = fmin(fmax(air_dot(up, sun), -1), 1);
-    struct air_vec x = air_along(sun, -high, up);
+    struct air_vec x = air_along(sun, -air_dot(up, sun), up);
     double level = sqrt(air_dot(x, x));
     if (level < 1e-12) {
         x = air_turned(up, 0, 0);
         level = 1;
     }
     x = (struct air_vec){ x.x / level, x.y / level, x.z / level };
-    struct air_vec y = { up.y * x.z - up.z * x.y, up.z * x.x - up.x * x.z,
-                         up.x * x.y - up.y * x.x };
+    f->x = x;
+    f->y = (struct air_vec){ up.y * x.z - up.z * x.y, up.z * x.x - up.x * x.z,
+                             up.x * x.y - up.y * x.x };
+    f->up = up;
+    f->radius = r;
+    return true;
+}
+
+static struct air_vec in_frame(const struct frame *f, struct air_vec v)
+{
+    return (struct air_vec){ air_dot(v, f->x), air_dot(v, f->y),
+                             air_dot(v, f->up) };
+}
+
+struct air_vec space_turned(const struct air *air, const struct space_eye *eye,
+                            struct air_vec toward, struct air_vec vector)
+{
+    struct frame f;
+    return frame_of(air, eye, toward, &f) ? in_frame(&f, vector) : vector;
+}
+
+bool space_sight(const struct air *air, const struct space_eye *eye,
+                 struct air_vec toward, int channel, struct air_sight *sight)
+{
+    struct frame f;
+    if (!frame_of(air, eye, toward, &f)) {
+        return false;
+    }
+    struct air_vec sun = sun_of(eye);
     /* The lowest place of the sight tells day from dusk. */
     struct air_vec low = eye_at(air, eye);
     double nearest = -air_dot(low, toward);
-    low = air_along(low, fmin(fmax(nearest, from), to), toward);
+    low = air_along(low, fmin(fmax(nearest, f.from), f.to), toward);
     double low_zenith = acos(air_dot(low, sun) / sqrt(air_dot(low, low)));
     *sight = (struct air_sight){
         .channel = channel,
-        .height = fmin(r, air->top) - air->ground,
-        .toward = { air_dot(toward, x), air_dot(toward, y),
-                    air_dot(toward, up) },
+        .height = fmin(f.radius, air->top) - air->ground,
+        .toward = in_frame(&f, toward),
         .suns = 1,
-        .zenith = { acos(high) },
+        .zenith = { acos(fmin(fmax(air_dot(f.up, sun), -1), 1)) },
         .guided = low_zenith > DUSK,
     };
     return true;

@@ -26,6 +26,10 @@ enum space_end space_meets(const struct air *air, const struct space_eye *eye,
 bool space_sight(const struct air *air, const struct space_eye *eye,
                  struct air_vec toward, int channel, struct air_sight *sight);
 
+/* A vector of the eye's frame in that of this sight, which has its own. */
+struct air_vec space_turned(const struct air *air, const struct space_eye *eye,
+                            struct air_vec toward, struct air_vec vector);
+
 /* Radiance for a solar irradiance of 1 of the Sun that facets mirror, through
  * the air. */
 double space_glint(const struct air_scene *scene, const struct space_eye *eye,

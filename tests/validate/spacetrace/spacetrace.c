@@ -8,6 +8,7 @@
  * takes sixteen means of `paths`, and twice as many until the error is the
  * wanted share of the radiance, sixteen times `most` at most. */
 #include "spacesight.h"
+#include "spacewaves.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,14 +16,14 @@
 
 #define RADIAN (3.14159265358979323846 / 180)
 
-enum { SIGHTS = 65536, HEIGHTS = 64, MEANS = 16 };
+enum { SIGHTS = 65536, HEIGHTS = 64, MEANS = 16, RAYS = 20000 };
 
 static const double irradiance[AIR_CHANNELS] = { 1.474, 1.850, 1.912 };
 static const int nanometres[AIR_CHANNELS] = { 680, 550, 440 };
 
 static struct {
     double visibility, radius, sun, wind, albedo, toward, error;
-    int paths, most, seed;
+    int paths, most, seed, orders;
     const char *heights, *ground, *slopes, *water, *index;
 } options = {
     .visibility = 40,
@@ -34,6 +35,7 @@ static struct {
     .paths = 500,
     .most = 16000,
     .seed = 1,
+    .orders = 8,
     .heights = "20000,400000,10000000",
     .ground = "fresnel",
 };
@@ -41,6 +43,10 @@ static struct {
 static struct air air;
 static struct air_sun sun;
 static struct air_ground ground;
+static struct space_waves waves;
+static bool has_waves;
+static struct air_escape escapes[RAYS];
+static struct air_vec axis; /* of the ground's slopes, in the eye's frame */
 
 static void end(const char *what, const char *word)
 {
@@ -71,6 +77,7 @@ static void read_options(int argc, char **argv)
         { "--paths", 0, &options.paths, 0 },
         { "--most", 0, &options.most, 0 },
         { "--seed", 0, &options.seed, 0 },
+        { "--orders", 0, &options.orders, 0 },
     };
     for (int i = 1; i < argc; i += 2) {
         size_t k = 0, n = sizeof(known) / sizeof(*known);
@@ -112,9 +119,11 @@ static void choose_ground(void)
         }
     } else if (!strcmp(options.ground, "black")) {
         ground.kind = AIR_BLACK;
-    } else if (strcmp(options.ground, "fresnel")) {
+    } else if (strcmp(options.ground, "fresnel") &&
+               strcmp(options.ground, "waves")) {
         end("no such ground:", options.ground);
     } else {
+        has_waves = !strcmp(options.ground, "waves");
         three(options.water, ground.albedo);
         three(options.index, ground.index);
     }
@@ -127,45 +136,118 @@ static void choose_ground(void)
         double to = options.toward * RADIAN;
         ground.axis = (struct air_vec){ cos(to), sin(to), 0 };
     }
+    axis = ground.axis;
+    if (has_waves) {
+        space_waves_init(&waves, &ground, options.wind, options.orders,
+                         (uint64_t)options.seed);
+    }
+}
+
+/* By what a sight meets first; more: turned more than once, its squares too. */
+struct figures {
+    double glint, single, once, more[AIR_PARTS], sum, squares;
+    int means;
+};
+
+static double error_of(const struct figures *f)
+{
+    double mean = f->sum / f->means;
+    return sqrt(fmax(f->squares / f->means - mean * mean, 0) / (f->means - 1));
+}
+
+static void follow_paths(const struct air_scene *scene,
+                         const struct air_sight *sight, uint64_t seed,
+                         struct figures *f)
+{
+    for (int wanted = MEANS;; wanted *= 2) {
+        for (; f->means < wanted; f->means++) {
+            double part[AIR_PARTS], all = 0;
+            air_parts(scene, sight, options.paths, seed + (uint64_t)f->means,
+                      part);
+            for (int i = 0; i < AIR_PARTS; i++) {
+                f->more[i] += part[i];
+                all += part[i];
+            }
+            f->sum += all;
+            f->squares += all * all;
+        }
+        if (error_of(f) <=
+                options.error * (f->once - f->glint + f->sum / f->means) ||
+            2.0 * wanted * options.paths > (double)MEANS * options.most) {
+            return;
+        }
+    }
+}
+
+/* What a sight meets, for all wavelengths, in its frame; the ground's axis is
+ * turned into that. */
+static void meet(const struct space_eye *eye, struct air_vec toward,
+                 uint64_t seed, struct air_first *first, double *error)
+{
+    struct air_vec place;
+    const struct air_vec to_sun = { sin(eye->sun_zenith), 0,
+                                    cos(eye->sun_zenith) };
+    ground.axis = space_turned(&air, eye, toward, axis);
+    *error = 0;
+    *first = (struct air_first){ 0 };
+    if (has_waves && space_meets(&air, eye, toward, &place) == SPACE_GROUND) {
+        double r = sqrt(air_dot(place, place));
+        struct air_vec up = { place.x / r, place.y / r, place.z / r };
+        *first =
+            space_waves_first(&waves, space_turned(&air, eye, toward, toward),
+                              space_turned(&air, eye, toward, up),
+                              space_turned(&air, eye, toward, to_sun), seed,
+                              escapes, RAYS, error);
+    }
+}
+
+static struct figures look(const struct space_eye *eye, struct air_vec toward,
+                           int channel, const struct air_first *first,
+                           uint64_t seed)
+{
+    struct air_scene scene = { &air, &sun, &ground };
+    struct air_sight s;
+    struct air_vec turned = ground.axis;
+    ground.axis = axis;
+    struct figures f = { .glint = space_glint(&scene, eye, toward, channel) };
+    ground.axis = turned;
+    if (!space_sight(&air, eye, toward, channel, &s)) {
+        f.means = 1;
+        return f;
+    }
+    s.first = first->count ? first : NULL;
+    const struct air_ground black = { .kind = AIR_BLACK };
+    const struct air_scene bare = { &air, &sun, &black };
+    double once[AIR_SUNS], alone[AIR_SUNS];
+    air_once(&scene, &s, once);
+    air_once(&bare, &s, alone);
+    f.single = alone[0];
+    f.once = once[0];
+    follow_paths(&scene, &s, seed, &f);
+    return f;
 }
 
 static void measure(const struct space_eye *eye, const double *sight,
-                    int channel, uint64_t seed)
+                    const uint64_t seed[AIR_CHANNELS])
 {
-    const struct air_scene scene = { &air, &sun, &ground };
     struct air_vec toward = space_toward(sight[0] * RADIAN, sight[1] * RADIAN);
-    struct air_sight s;
-    double glint = space_glint(&scene, eye, toward, channel);
-    double once[AIR_SUNS] = { 0 }, sum = 0, squares = 0, mean = 0, error = 0;
-    double single = 0;
-    if (space_sight(&air, eye, toward, channel, &s)) {
-        const struct air_ground black = { .kind = AIR_BLACK };
-        const struct air_scene bare = { &air, &sun, &black };
-        double alone[AIR_SUNS];
-        air_once(&scene, &s, once);
-        air_once(&bare, &s, alone);
-        single = alone[0];
-        int n = 0;
-        for (int wanted = MEANS;; wanted *= 2) {
-            for (; n < wanted; n++) {
-                double more[AIR_SUNS];
-                air_more(&scene, &s, options.paths, seed + (uint64_t)n, more);
-                sum += more[0];
-                squares += more[0] * more[0];
-            }
-            mean = sum / n;
-            error = sqrt(fmax(squares / n - mean * mean, 0) / (n - 1));
-            if (error <= options.error * (once[0] - glint + mean) ||
-                2.0 * wanted * options.paths > (double)MEANS * options.most) {
-                break;
-            }
-        }
+    struct air_first first;
+    double rough;
+    meet(eye, toward, seed[0], &first, &rough);
+    for (int c = 0; c < AIR_CHANNELS; c++) {
+        struct figures f = look(eye, toward, c, &first, seed[c]);
+        double by = irradiance[c], each = by / f.means;
+        double mirrored = f.more[AIR_MIRRORED] * each;
+        double error = f.means > 1 ? error_of(&f) * by : 0;
+        printf("%.10g,%g,%g,%d,%.6g,%.2g,%.6g,%.6g", eye->height * 1e3,
+               sight[0], sight[1], nanometres[c], f.once * by + f.sum * each,
+               hypot(error, rough * mirrored), f.glint * by, f.single * by);
+        printf(",%.6g,%.6g,%.6g\n", f.single * by + f.more[AIR_TURNED] * each,
+               mirrored,
+               (f.once - f.single - f.glint) * by +
+                   f.more[AIR_LEFT_WATER] * each);
+        fflush(stdout);
     }
-    double by = irradiance[channel];
-    printf("%.10g,%g,%g,%d,%.6g,%.2g,%.6g,%.6g\n", eye->height * 1e3, sight[0],
-           sight[1], nanometres[channel], (once[0] + mean) * by, error * by,
-           glint * by, single * by);
-    fflush(stdout);
 }
 
 int main(int argc, char **argv)
@@ -184,7 +266,7 @@ int main(int argc, char **argv)
         count++;
     }
     puts("height_m,nadir_deg,azimuth_deg,wavelength_nm,radiance,error,glint,"
-         "once");
+         "once,air,mirrored,water");
     char *rest = (char *)options.heights;
     for (int i = 0; *rest && i < HEIGHTS; i++) {
         char *from = rest;
@@ -195,12 +277,12 @@ int main(int argc, char **argv)
         }
         rest += *rest != 0;
         for (int k = 0; k < count; k++) {
+            uint64_t seed[AIR_CHANNELS];
             for (int c = 0; c < AIR_CHANNELS; c++) {
-                uint64_t seed = ((uint64_t)options.seed << 48) +
-                                ((uint64_t)i << 42) + ((uint64_t)k << 26) +
-                                ((uint64_t)c << 24);
-                measure(&eye, sights[k], c, seed);
+                seed[c] = ((uint64_t)options.seed << 48) + ((uint64_t)i << 42) +
+                          ((uint64_t)k << 26) + ((uint64_t)c << 24);
             }
+            measure(&eye, sights[k], seed);
         }
     }
     return 0;
