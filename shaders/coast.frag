@@ -32,6 +32,7 @@
 #include "lib/lamplight.glsl"
 #include "lib/shade.glsl"
 #if defined(PEL_FOAM) || defined(PEL_WASH)
+#include "lib/foamlight.glsl"
 #include "lib/foam.glsl"
 #endif
 #include "lib/shaded.glsl"

@@ -34,6 +34,10 @@
 layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 #include "lib/underlight.glsl"
 #include "lib/under.glsl"
+#if defined(PEL_FOAM) || defined(PEL_WASH)
+#include "lib/foam.glsl"
+#include "lib/underfoam.glsl"
+#endif
 #include "lib/tone.glsl"
 #include "lib/outputs.glsl"
 
@@ -54,9 +58,32 @@ shaded as_shaded(under_light l)
     return result;
 }
 
-// Of the surface in a pixel: its mean normal, towards whose back one looks, and
-// the variance of its slopes.
-vec3 surface_normal(ivec2 at, vec3 ray, vec3 sight, float s, out vec2 variance)
+// Foam that a pixel shows (lib/foam.glsl).
+vec2 surface_foam(vec2 x, filtered f, float footprint)
+{
+    vec2 foam = vec2(0.0, 1.0);
+#ifdef PEL_AREAS
+    float up = f.up;
+#else
+    const float up = 1.0;
+#endif
+#ifdef PEL_SHORE
+    vec2 surf = f.surf;
+#else
+    const vec2 surf = vec2(0.0);
+#endif
+#ifdef PEL_FOAM
+    foam = foam_of(x, f.breaking, footprint, up, surf);
+#endif
+#ifdef PEL_WASH
+    foam = foams_together(foam, wash_foam(x, f.washed.y, footprint));
+#endif
+    return foam;
+}
+
+// Of the surface in a pixel: its mean normal, towards whose back one looks, the
+// variance of its slopes, and its foam.
+vec3 surface_normal(ivec2 at, vec3 ray, vec3 sight, float s, out vec2 variance, out vec2 foam)
 {
     uint triangle = texelFetch(triangles, at, 0).r;
     vec3 place = s * sight;
@@ -70,6 +97,7 @@ vec3 surface_normal(ivec2 at, vec3 ray, vec3 sight, float s, out vec2 variance)
     wake_shift wake = wake_at(place.xy - wake_at(place.xy, footprint).d.xy, footprint);
     add_wakes(wake, f);
 #endif
+    foam = surface_foam(x, f, footprint);
     vec3 n = filtered_normal(f);
     variance = variance_left(footprint);
 #ifdef PEL_AREAS
@@ -95,8 +123,8 @@ vec3 under_above(ivec2 at, vec3 ray, vec3 sight)
         return vec3(0.0);
     }
     float s = found.x, index = sqrt(refraction.g);
-    vec2 variance;
-    vec3 n = surface_normal(at, ray, sight, s, variance);
+    vec2 variance, foam;
+    vec3 n = surface_normal(at, ray, sight, s, variance, foam);
     float c = dot(n, sight);
     float k = 1.0 - refraction.g * (1.0 - c * c);
     if (k <= 0.0) {
@@ -118,7 +146,7 @@ vec3 under_above(ivec2 at, vec3 ray, vec3 sight)
     vec2 uv = out_.xy / (1.0 + out_.z) * (0.5 / PEL_REFLECTION_HALF_WIDTH) + 0.5;
     vec3 sky = textureLod(reflection_map, uv, 1.0).rgb;
     // Towards the window's edge the pixel's other facets show less of it.
-    float shown = smoothstep(0.0, 0.3, k);
+    float shown = smoothstep(0.0, 0.3, k) * (1.0 - foam.x);
     return shown * under_left(s) * (1.0 - facet_reflectance(cosine)) * refraction.g * (light.by_lights + light.by_sky - sky);
 }
 #endif
@@ -134,14 +162,18 @@ shaded under_scene(ivec2 at, vec3 ray, vec3 sight)
     under_light beyond = UNDER_DARK;
     shaded facts = only_light(vec3(0.0));
     if (surface) {
-        vec2 variance;
-        vec3 n = surface_normal(at, ray, sight, s, variance);
+        vec2 variance, foam;
+        vec3 n = surface_normal(at, ray, sight, s, variance, foam);
         under_surface_seen seen = under_surface(sight, place, s, n, variance, found.w);
         beyond = seen.light;
+#if defined(PEL_FOAM) || defined(PEL_WASH)
+        cover_by_foam_below(foam, beyond);
+#endif
 #ifdef PEL_LAYERS
         facts.normal = n;
         facts.fresnel = seen.mirrored.g;
         facts.slope_variance = variance;
+        facts.foam = foam.x;
 #endif
     } else if (bottom) {
         float footprint = s * pixel.x * inversesqrt(max(-sight.z, 0.02));
@@ -159,6 +191,7 @@ shaded under_scene(ivec2 at, vec3 ray, vec3 sight)
     result.normal = facts.normal;
     result.fresnel = facts.fresnel;
     result.slope_variance = facts.slope_variance;
+    result.foam = facts.foam;
     result.albedo = facts.albedo;
 #endif
     return result;

@@ -101,7 +101,8 @@ static void defines_of(const struct pel_environment *env,
     const bool shades = part >= SCENE;
     char surface[PEL_SURFACE_TEXT];
     pel_programs_surface(p, env->sea, surface);
-    snprintf(out, 512, "%s%s%s%s%s%s", surface, of[part],
+    snprintf(out, 512, "%s%s%s%s%s%s%s", surface, of[part],
+             shades ? pel_programs_foam(env->sea) : "",
              shades ? pel_shading_defines(kind) : "",
              shades ? pel_light_program_defines(env) : "",
              env->seabed && part != SHAFTS ? "#define PEL_SEABED\n" : "",

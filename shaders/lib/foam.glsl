@@ -1,5 +1,3 @@
-#include "lib/foamlight.glsl"
-
 // Whitecaps, twin of ocean/foam.h: foam that a pixel sees where it resolves a
 // part of the waves that break, its structure, and its light.
 
