@@ -155,6 +155,7 @@ FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)
 FLAGS_clients/pelagosctl/clip_stream = $(CTL_CFLAGS)
 $(foreach f,$(sort $(SEABED_READER:.c=) $(WEATHER_READER:.c=)) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
 $(foreach f,$(MODEL_READER:.c=),$(eval FLAGS_$(f) = $$(MODEL_CFLAGS)))
+$(foreach f,forecast raster picture,$(eval FLAGS_tests/fuzz/fuzz_$(f) = $$(READER_CFLAGS) $$(MODEL_CFLAGS)))
 $(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c tests/validate/airtrace/*.c tests/validate/shiptrace/*.c tests/validate/undertrace/*.c tests/validate/spacetrace/*.c)),$(eval FLAGS_$(f) := -O3))
 # CPPFLAGS, CFLAGS and LDFLAGS are the caller's, and come last.
 compile = $(CC) $(OUR_CPPFLAGS) $(PKG_CFLAGS) $(OUR_CFLAGS) $(FLAGS_$(1)) $(CPPFLAGS) $(CFLAGS)
@@ -713,13 +714,23 @@ build/compile_commands.json: FORCE | $(GEN_HEADERS)
 format: ## rewrite the C sources as .clang-format says
 	$(Q)clang-format -i $(C_FILES)
 FUZZ_SECONDS ?= 60
+# What a target needs beside the server: sources and libraries of readers.
+FUZZ_WITH_fuzz_coast := server/continents/reader/coastlines.c
+FUZZ_LIBS_fuzz_coast = $(SPECTRUM_LIBS)
+FUZZ_WITH_fuzz_spectrum := server/ocean/reader/netcdfform.c server/ocean/reader/shelf.c
+FUZZ_LIBS_fuzz_spectrum = $(SPECTRUM_LIBS)
+FUZZ_WITH_fuzz_forecast := server/weather/reader/names.c $(addprefix server/seabed/reader/,gdal.c hdf5.c)
+FUZZ_LIBS_fuzz_forecast = $(READER_LIBS) $(SPECTRUM_LIBS)
+FUZZ_WITH_fuzz_raster := $(addprefix server/seabed/reader/,gdal.c hdf5.c exr.c)
+FUZZ_LIBS_fuzz_raster = $(READER_LIBS) $(SPECTRUM_LIBS)
+FUZZ_WITH_fuzz_picture := $(addprefix server/panorama/reader/,equirect.c equirectexr.c equirectrgbe.c) server/models/reader/gltfcheck.c
+FUZZ_LIBS_fuzz_picture = $(READER_LIBS) $(SPECTRUM_LIBS) $(MODEL_LIBS)
+FUZZ_LIBS_fuzz_roles = $(SPECTRUM_LIBS)
 define fuzz_rule
-$(O)/bin/$(basename $(notdir $(1))): $(call obj,$(1)) $(OBJ)/libserver.a
-	$$(LINK) -fsanitize=fuzzer $$(PKG_LIBS) $$(FUZZ_LIBS)
+$(O)/bin/$(1): $(call obj,tests/fuzz/$(1).c $(FUZZ_WITH_$(1))) $(OBJ)/libserver.a
+	$$(LINK) -fsanitize=fuzzer $$(PKG_LIBS) $$(FUZZ_LIBS_$(1))
 endef
-$(O)/bin/fuzz_coast: $(call obj,server/continents/reader/coastlines.c)
-$(O)/bin/fuzz_coast: FUZZ_LIBS = $(SPECTRUM_LIBS)
-$(foreach t,$(FUZZERS),$(eval $(call fuzz_rule,$(t))))
+$(foreach t,$(basename $(notdir $(FUZZERS))),$(eval $(call fuzz_rule,$(t))))
 
 .PHONY: fuzz
 fuzz: deps ## fuzz every input for FUZZ_SECONDS (60) under ASan and UBSan

@@ -267,6 +267,20 @@ class Files(unittest.TestCase):
         s = self.daemon.get("/v1/spectrum").json()
         self.assertEqual(s["spectrum"]["significantHeight"], before[0])
 
+    def test_directions_that_are_none(self):
+        at = os.path.join(self.folder, "nowhere.nc")
+        netcdf(at, "swan")
+        with netCDF4.Dataset(at, "a") as d:
+            d["direction"][3] = float("nan")
+        answer = self.sea("nowhere.nc#1")
+        self.assertIn("direction 4 of 36 is no number", answer.body.decode())
+        with netCDF4.Dataset(at, "a") as d:
+            d["direction"][3] = 0.6
+            d["density"][0, 0, 2, :] = 8e36
+            d["density"].scale_factor = 1.5e271
+        answer = self.sea("nowhere.nc#1")
+        self.assertIn("has no end", answer.body.decode())
+
     @unittest.skipUnless(os.path.isdir(SHARED), "no shared data")
     def test_real_files(self):
         with open(os.path.join(SHARED, "swanfile.tab")) as f:

@@ -188,6 +188,16 @@ class Files(unittest.TestCase):
         os.symlink("/etc/passwd", self.at("passwd.nc"))
         self.refused("passwd.nc")
 
+    def test_times_that_are_none(self):
+        import netCDF4
+        for name, start in (("far.nc", "99999-01-01"),
+                            ("before.nc", "-2147483648-01-01")):
+            forecast.write_netcdf(self.at(name), forecast.FIELDS, LATS, LONS,
+                                  HOURS)
+            with netCDF4.Dataset(self.at(name), "a") as d:
+                d["time"].units = "hours since " + start
+            self.refused(name, "no time")
+
     def test_hdf5(self):
         """NetCDF 4 that hands on to other files."""
         any_raster = os.path.join(BIN, "any_raster")

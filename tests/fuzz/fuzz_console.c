@@ -30,6 +30,8 @@ static void read_answers(const uint8_t *data, size_t size)
     memcpy(exact, data, size);
     for (size_t g = 0; g < table.group_count; g++) {
         const struct pel_console_group *group = &table.groups[g];
+        uint8_t question[12];
+        (void)pel_console_request(group, 1, 1, question);
         if (pel_console_answer(group, 1, 1, exact, size, words, &code) !=
             PEL_CONSOLE_VALUES) {
             continue;

@@ -3,12 +3,14 @@
  * edits. Lines up to an empty one are the head, the rest is the body. A first
  * line of
  * `#` and letters says what the server has: t a token, h names, o origins that
- * may ask, s it stops. */
+ * may ask, s it stops, e exercises. */
 #include <string.h>
 #include <unistd.h>
 
 #include "fuzz_steps.h"
 #include "net/http_route.h"
+#include "net/series_parts.h"
+#include "scene/exercise.h"
 
 #define MAX_HEADERS 32
 
@@ -34,6 +36,25 @@ static struct pel_token *token(void)
     return made;
 }
 
+/* A folder in memory, which those of one input leave empty. */
+static const char *exercises(void)
+{
+    static char path[] = "/dev/shm/pelagos-fuzz-XXXXXX";
+    static bool made;
+    if (!made) {
+        fuzz_demand(mkdtemp(path) != NULL);
+        made = true;
+    }
+    GDir *folder = g_dir_open(path, 0, NULL);
+    for (const char *name; (name = g_dir_read_name(folder));) {
+        char *file = g_build_filename(path, name, NULL);
+        unlink(file);
+        g_free(file);
+    }
+    g_dir_close(folder);
+    return path;
+}
+
 static void set_context(const char *letters, struct pel_scene *scene)
 {
     static struct pel_metrics *metrics;
@@ -51,6 +72,11 @@ static void set_context(const char *letters, struct pel_scene *scene)
         .origins = strchr(letters, 'o') ? origins : NULL,
         .stopping = strchr(letters, 's') != NULL,
     };
+    if (strchr(letters, 'e')) {
+        const struct pel_exercises_options options = { exercises(), NULL };
+        fuzz_demand(
+            !pel_exercises_create(&options, scene, &context.exercises, NULL));
+    }
 }
 
 /* A patch is one revision more, or nothing. */
@@ -70,6 +96,29 @@ static void carry_out(struct pel_http_answer *answer)
     }
     fuzz_demand(told.status >= 200 && told.status < 500 && told.size > 0);
     pel_http_answer_finish(&told);
+}
+
+/* Its first cells are questions. */
+static void plan_series(const struct pel_http_answer *answer)
+{
+    struct pel_series_plan plan;
+    struct pel_fault fault = { 0 };
+    ProtobufCMessage *question;
+    if (pel_series_plan_make(answer->series, &plan, &fault)) {
+        fuzz_demand(fault.message[0]);
+    } else {
+        pel_series_plan_at(&plan, 3);
+        for (size_t n = 0; n < plan.cells && n < 9; n++) {
+            size_t cell = pel_series_cell(&plan, n);
+            fuzz_demand(cell < plan.cells);
+            if (pel_series_question(&plan, cell, &question, &fault)) {
+                fuzz_demand(fault.message[0]);
+            } else {
+                protobuf_c_message_free_unpacked(question, NULL);
+            }
+        }
+    }
+    pel_series_plan_finish(&plan);
 }
 
 /* Cuts a line off *text; NULL: none left. */
@@ -124,6 +173,8 @@ static void serve(char *text, const char *end)
                 (answer.status >= 200 && answer.status <= 599));
     if (answer.kind == PEL_HTTP_PATCH) {
         carry_out(&answer);
+    } else if (answer.kind == PEL_HTTP_SERIES) {
+        plan_series(&answer);
     }
     pel_http_answer_finish(&answer);
 }
@@ -143,6 +194,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         serve(rest, stop);
         rest = stop + 1;
     }
+    pel_exercises_destroy(context.exercises);
     pel_scene_destroy(scene);
     free(text);
     return 0;

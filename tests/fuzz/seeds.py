@@ -12,6 +12,10 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 sys.dont_write_bytecode = True
 import cigi_corpus  # noqa: E402
 import cigi_host as cigi  # noqa: E402
+import seeds_files  # noqa: E402
+import seeds_more  # noqa: E402
+import seeds_pictures  # noqa: E402
+import seeds_readers  # noqa: E402
 
 
 def step(what, data=b""):
@@ -24,6 +28,15 @@ def step(what, data=b""):
 # --- CIGI ---------------------------------------------------------------------
 
 FEED, PACKETS, ADD, WAIT, FRAME, OPERATOR, JUMP = range(7)
+
+
+def layer(number, kind, coverage, base, thickness, scope=0, visibility=9000,
+          on=True):
+    """A weather layer of a type of cloud, or of fog."""
+    return lambda order: struct.pack(
+        order + "BBHBBBBffffffffffff", 12, 56, 1, number, 50,
+        on | kind % 2 << 3 | kind << 4, scope | 4, 12, visibility, 0, coverage,
+        base, thickness, 0, 6, 0, 30, 1010, 0)
 
 
 def more_weather():
@@ -48,6 +61,25 @@ def more_weather():
     yield [cigi.region(i, 52.6, 5.2, 1e4, 1e4, 50) for i in range(40)]
     yield [cigi.view_definition(0, -20, 20, 10, -10), cigi.entity(2, 52, 5),
            cigi.view_control(0, 1), cigi.sensor(0, 1), cigi.sensor(0, 2)]
+    yield [cigi.view_control(0, 1), cigi.entity(2, 52.61, 5.2),
+           *(cigi.sensor(v, i, on, track=t, extended=e) for v, i, on, t, e in (
+               (0, 1, True, 3, False), (0, 2, True, 4, True),
+               (0, 3, True, 1, False), (0, 2, False, 0, False),
+               (9, 7, True, 3, True)))]
+    yield [cigi.sensor(0, i, True, track=3) for i in range(40)]
+    yield [cigi.entity(2, 9, 3, 1, parent=1), cigi.entity(3, 1, 1, parent=2),
+           cigi.rate(2, 1, 2, 3, 4, 5, 6), cigi.rate(2, 1, 2, 3, local=True),
+           cigi.rate(9, 1), cigi.entity(4, 52.6, 5.2, clamp=1),
+           cigi.entity(5, 52.6, 5.2, clamp=2), cigi.rate(4, 400, 0, 9, 99)]
+    yield [cigi.entity(3, 1, 1, parent=9), cigi.entity(7, 1, 1, parent=7),
+           cigi.entity(2, 52, 5, state=2), cigi.conformal(9, 52, 5)]
+    for kind in range(16):
+        yield [layer(1 + kind % 4, kind, 80, 900, 100 * (kind % 3), scope=k)
+               for k in range(2)]
+    for visibility in (200, 900):
+        yield [layer(0, 0, 100, 0, 50, visibility=visibility)] * 2
+        yield [layer(0, 0, 100, 0, 50, 1, visibility), layer(4, 0, 9, 5, 30)]
+    yield [layer(k, 1, 0, 0, 0, on=False) for k in range(9)]
     yield [cigi.raw(bytes([200, 8, 0, 0, 0, 0, 0, 0]))]
     yield [cigi.hat_hot(i, 52.6, 5.2, 9, 1) for i in range(300)]
     for kind in range(8):
@@ -465,56 +497,16 @@ def camera_seeds():
         "views": {f"m{i}": places[i] for i in (0, 1, 2, 4, 6, 12, 13)}})
 
 
-# --- coastlines ---------------------------------------------------------------
-
-def coast(pieces, bins=((0, 0),), minutes=1200, across=18, odd=0, level=1):
-    """As fuzz_coast.c reads it: (first segment, how many) of each bin; each
-    piece a list of (longitude, latitude) in it, 0 to 65535."""
-    firsts, points = [], []
-    for piece in pieces:
-        firsts.append(len(points))
-        points += piece
-    out = bytes([odd, len(bins) - 1, len(pieces) - 1, len(points) - 1])
-    out += struct.pack("<HH", minutes, across)
-    out += b"".join(struct.pack("<H", b[0]) for b in bins)
-    out += bytes(b[1] for b in bins)
-    out += b"".join(struct.pack("<I", len(p) << 9 | level << 6)[:3]
-                    for p in pieces)
-    out += b"".join(struct.pack("<H", f) for f in firsts)
-    return out + b"".join(struct.pack("<H", p[k])
-                          for k in range(2) for p in points)
-
-
-def coast_seeds():
-    square = [(9000, 9000), (50000, 9000), (50000, 50000), (9000, 50000),
-              (9000, 9000)]
-    lake = [(20000, 20000), (30000, 20000), (30000, 30000), (20000, 20000)]
-    one = ((0, 1),)
-    yield "square", coast([square], one)
-    yield "lake", coast([square, lake], ((0, 2),))
-    yield "open", coast([square[:3]], one)
-    yield "grounded", coast([square], one, level=6)
-    # Over the meridian at which lines begin, over the equator, to the pole.
-    yield "pacific", coast([square], ((0, 0),) * 80 + one)
-    yield "all", coast([square], ((0, 0),) * 8 + one, minutes=10800, across=2)
-    yield "world", coast([square], one, minutes=21600, across=1)
-    yield "huge", coast([square, lake], ((0, 2),) * 2, minutes=65535)
-    yield "beyond", coast([square], ((7, 3),))
-    yield "shared", coast([square], one * 9)
-    yield "points-beyond", coast([square], one)[:-25]
-    for odd in (*range(1, 9), *range(16, 24)):
-        yield f"odd-{odd}", coast([square], one, odd=odd)
-
-
-SEEDS = {"cigi": cigi_seeds, "nmea": nmea_seeds, "modbus": modbus_seeds,
-         "protobuf": protobuf_seeds, "session": session_seeds,
-         "live": live_seeds, "http": http_seeds, "path": path_seeds,
-         "rtsp": rtsp_seeds, "metar": metar_seeds, "json": camera_seeds,
-         "coast": coast_seeds}
+SEEDS = [("cigi", cigi_seeds), ("nmea", nmea_seeds), ("modbus", modbus_seeds),
+         ("protobuf", protobuf_seeds), ("session", session_seeds),
+         ("live", live_seeds), ("http", http_seeds), ("path", path_seeds),
+         ("rtsp", rtsp_seeds), ("metar", metar_seeds), ("json", camera_seeds),
+         *seeds_files.SEEDS, *seeds_more.SEEDS, *seeds_pictures.SEEDS,
+         *seeds_readers.SEEDS]
 
 
 def main():
-    for name, seeds in SEEDS.items():
+    for name, seeds in SEEDS:
         folder = pathlib.Path(sys.argv[1]) / f"fuzz_{name}"
         folder.mkdir(parents=True, exist_ok=True)
         for title, data in seeds():

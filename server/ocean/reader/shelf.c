@@ -9,6 +9,8 @@
 #include "base/vec.h"
 #include "ocean/spectrumfile.h"
 
+#define MOST_UNIX_S 1e11 /* a date as text has four digits of a year */
+
 double pel_shelf_unix(int year, int month, int day, double seconds)
 {
     if (year < 1800 || year > 2200 || month < 1 || month > 12 || day < 1 ||
@@ -23,9 +25,9 @@ double pel_shelf_unix(int year, int month, int day, double seconds)
 
 static void utc_text(double unix_s, char out[32])
 {
-    time_t t = (time_t)unix_s;
     struct tm tm;
-    if (!isfinite(unix_s) || !gmtime_r(&t, &tm)) {
+    time_t t = fabs(unix_s) < MOST_UNIX_S ? (time_t)unix_s : 0;
+    if (!(fabs(unix_s) < MOST_UNIX_S) || !gmtime_r(&t, &tm)) {
         snprintf(out, 32, "?");
         return;
     }
@@ -181,6 +183,12 @@ enum pel_err pel_shelf_collapse(const double *frequency_hz, int nf,
                              "%d directions; needs 3 to %d", nd,
                              PEL_SHELF_DIRECTIONS);
     }
+    for (int k = 0; k < nd; k++) {
+        if (!isfinite(to_rad[k])) {
+            return pel_fault_set(fault, PEL_ERR_MALFORMED,
+                                 "direction %d of %d is no number", k + 1, nd);
+        }
+    }
     shares(to_rad, nd, share);
     out->count = nf;
     for (int i = 0; i < nf; i++) {
@@ -195,6 +203,11 @@ enum pel_err pel_shelf_collapse(const double *frequency_hz, int nf,
             m[1] += v * sin(to_rad[k]);
             m[2] += v * cos(2 * to_rad[k]);
             m[3] += v * sin(2 * to_rad[k]);
+        }
+        if (!isfinite(sum)) {
+            return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                                 "the density at %g Hz has no end",
+                                 frequency_hz[i]);
         }
         out->frequency_hz[i] = frequency_hz[i];
         out->density[i] = sum;

@@ -459,6 +459,10 @@ static enum pel_err historical_rows(struct text *t, const struct pel_want *want,
                 return bad(t, "not a date and time", fault);
             }
             v[0] += v[0] < 100 ? 1900 : 0;
+            if (!(v[0] >= 0 && v[0] < 1e4 && v[1] >= 0 && v[1] < 100 &&
+                  v[2] >= 0 && v[2] < 100)) {
+                return bad(t, "not a date and time", fault);
+            }
             t->times[i] = pel_shelf_unix((int)v[0], (int)v[1], (int)v[2],
                                          3600.0 * v[3] + 60.0 * v[4]);
             for (int k = 0; k < t->nf; k++) {

@@ -70,7 +70,7 @@ static bool time_of(GDALDatasetH set, GDALRasterBandH band, double *unix_s)
     const char *valid = GDALGetMetadataItem(band, "GRIB_VALID_TIME", NULL);
     if (valid) {
         *unix_s = strtod(valid, NULL);
-        return true;
+        return fabs(*unix_s) < PEL_FORECAST_MOST_UNIX_S;
     }
     char **items = GDALGetMetadata(band, NULL);
     for (int i = 0; items && items[i]; i++) {

@@ -28,7 +28,8 @@ bool pel_forecast_kind_of(const struct pel_forecast_name *name,
                           struct pel_forecast_kind *out);
 
 /* Seconds since 1970 of `value` in CF's "UNIT since TIME"; false: it is not
- * that. */
+ * that, or not within 3000 years. */
+#define PEL_FORECAST_MOST_UNIX_S 1e11
 bool pel_forecast_time(const char *units, double value, double *unix_s);
 
 /* Before the sandbox is closed: GDAL with GRIB and NetCDF (gdal.h). */

@@ -1,4 +1,5 @@
 /* What weather services call the numbers that are read. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -194,7 +195,9 @@ bool pel_forecast_time(const char *units, double value, double *unix_s)
     int read = sscanf(units, "%15[a-z] since %d-%d-%d%*1[ T]%d:%d:%lf %7s",
                       unit, &year, &month, &day, &hour, &minute, &second, zone);
     size_t length = strlen(unit);
-    if (read < 4 ||
+    if (read < 4 || year < 0 || year > 9999 || month < 1 || month > 12 ||
+        day < 1 || day > 31 || hour < 0 || hour > 24 || minute < 0 ||
+        minute > 60 ||
         (*zone && strcmp(zone, "Z") != 0 && strcmp(zone, "UTC") != 0 &&
          strcmp(zone, "+00:00") != 0 && strcmp(zone, "0:00") != 0)) {
         return false;
@@ -210,7 +213,7 @@ bool pel_forecast_time(const char *units, double value, double *unix_s)
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
         if (strcmp(unit, steps[i].name) == 0) {
             *unix_s = (double)timegm(&at) + second + value * steps[i].seconds;
-            return true;
+            return fabs(*unix_s) < PEL_FORECAST_MOST_UNIX_S;
         }
     }
     return false;
