@@ -38,9 +38,11 @@ static void read_pair(struct pel_etcd_kv *kv, const char *name,
     gsize size = 0;
     if (strcmp(name, "key") == 0) {
         guchar *key = g_base64_decode(value, &size);
+        g_free(kv->key); /* given twice: the last counts */
         kv->key = g_strndup((const char *)key, size);
         g_free(key);
     } else if (strcmp(name, "value") == 0) {
+        g_free(kv->value);
         kv->value = g_base64_decode(value, &size);
         kv->size = size;
     } else if (strcmp(name, "version") == 0) {

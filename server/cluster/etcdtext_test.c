@@ -43,6 +43,15 @@ static void answers_are_read(void **state)
     assert_true(a->succeeded);
     assert_int_equal(a->kvs->len, 0);
     pel_etcd_text_finish(&text);
+
+    /* Given twice: the last counts, and the first is not kept. */
+    a = read_text("{\"kvs\":[{\"key\":\"YQ==\",\"value\":\"MQ==\",\"key\":"
+                  "\"Yg==\",\"value\":\"MjM=\"}]}");
+    assert_int_equal(a->kvs->len, 1);
+    assert_null(pel_etcd_find(a, "a"));
+    assert_int_equal(pel_etcd_find(a, "b")->size, 2);
+    assert_memory_equal(pel_etcd_find(a, "b")->value, "23", 2);
+    pel_etcd_text_finish(&text);
 }
 
 static void a_watch_is_read(void **state)

@@ -54,16 +54,19 @@ static Pelagos__State *begin(const Pelagos__Exercise *exercise)
     return state;
 }
 
-/* Of few: a shape takes a sanitizer a second. */
+/* Of one shape, made once: light about it takes a sanitizer a minute. */
 static struct pel_fleet fleet_of(const Pelagos__State *state)
 {
     static struct pel_fleet last;
     struct pel_fleet fleet = { 0 };
-    size_t models = 0;
+    bool known = true, any = false;
     for (size_t i = 0; i < state->n_entities; i++) {
-        models += state->entities[i]->model != NULL;
+        const Pelagos__Model *m = state->entities[i]->model;
+        any = any || m;
+        known = known && (!m || (m->name && !m->length && !m->beam &&
+                                 strcmp(m->name, "patrol-boat") == 0));
     }
-    if (models > 0 && models <= 2) {
+    if (any && known) {
         demand(!pel_fleet_get(state, NULL, true, &last, &fleet, NULL));
         pel_fleet_finish(&last);
         last = pel_fleet_ref(&fleet);

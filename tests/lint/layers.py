@@ -22,7 +22,7 @@ LIBRARIES = {
                   "server/panorama/reader", "clients/lib"},
     "gdal": {"server/seabed/reader", "server/weather/reader", "tests"},
     "cpl_": {"server/seabed/reader", "server/weather/reader", "tests"},
-    "ogr_": {"server/seabed/reader", "server/weather/reader"},
+    "ogr_": {"server/seabed/reader", "server/weather/reader", "tests"},
     "hdf5": {"server/seabed/reader", "tests"},
     "gst/": {"server/encode", "server/net", "clients/pelagosctl", "tests"},
     "libyuv": {"server/encode"},
