@@ -20,6 +20,7 @@
 layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 #include "lib/ross.glsl"
 #include "lib/underlight.glsl"
+#include "lib/underlamps.glsl"
 
 layout(std430, binding = PEL_STORE_MOTES) restrict readonly buffer motes_block { vec4 motes[]; };
 layout(location = 0) uniform vec4 falls; // of each cascade: how its waves fall with depth, 1/m
@@ -62,12 +63,19 @@ float mote_phase(vec3 to, vec3 sight)
     return 0.5 + 0.5 * matt;
 }
 
-vec3 mote_light(vec3 sight, float z)
+vec3 mote_light(vec3 place, vec3 sight, float z)
 {
     vec3 light = under_flux(z, 0.0) / PEL_MOTE_COSINE_DOWN + under_flux(z, 1.0) / PEL_MOTE_COSINE_UP;
     for (int i = 0; i < PEL_LIT; i++) {
         light += under_beam(i, z) * mote_phase(under_beams[i].xyz, sight);
     }
+#ifdef PEL_LAMPS_BELOW
+    for (int i = 0; i < under_lamp_count(); i++) {
+        vec3 to;
+        vec3 beam = under_lamp_falling(i, place, to);
+        light += beam * mote_phase(to, sight);
+    }
+#endif
     return light * (PEL_MOTE_WHITE / (4.0 * PI));
 }
 
@@ -91,7 +99,7 @@ void main()
     veil_water();
     float z = max(under_depth() - p.z, 0.0);
     // With the water before it, in whose place it is seen.
-    light_of = vec4(under_left(away) * mote_light(sight, z) + water_between(sight, under_depth(), away) +
+    light_of = vec4(under_left(away) * mote_light(p, sight, z) + water_between(sight, under_depth(), away) +
                         suns_between(sight, under_depth(), away),
                     away);
     vec2 at = (place - pixel.zw + float(PEL_MOTE_MARGIN)) / (size.xy + 2.0 * float(PEL_MOTE_MARGIN));

@@ -28,6 +28,7 @@
 #include "lib/haze.glsl"
 #include "lib/seabed.glsl"
 #include "lib/cut.glsl"
+#include "lib/lamptowards.glsl"
 #if defined(PEL_OBJECTS) || defined(PEL_ABOVE)
 #include "lib/objects.glsl"
 #endif
@@ -167,7 +168,7 @@ shaded under_scene(ivec2 at, vec3 ray, vec3 sight)
         under_surface_seen seen = under_surface(sight, place, s, n, variance, found.w);
         beyond = seen.light;
 #if defined(PEL_FOAM) || defined(PEL_WASH)
-        cover_by_foam_below(foam, beyond);
+        cover_by_foam_below(foam, place, beyond);
 #endif
 #ifdef PEL_LAYERS
         facts.normal = n;

@@ -146,6 +146,49 @@ static void describe(struct pel_glow_candidate *c, const double m[9],
     put_floats(words, all);
 }
 
+int pel_lamp_glow_below(const struct pel_environment *env,
+                        const struct pel_camera *c,
+                        float out[PEL_UNDER_LAMPS * PEL_GLOW_TEXELS][4])
+{
+    struct pel_glow_candidate below[PEL_UNDER_LAMPS + 1];
+    const struct pel_vec3 eye = { c->east_m, c->north_m,
+                                  c->altitude_m + env->sea_level_m };
+    int count = 0;
+    for (size_t i = 0; i < env->lamp_count; i++) {
+        const struct pel_lamp *l = &env->lamps[i];
+        struct pel_vec3 at = { l->east_m, l->north_m, l->altitude_m };
+        if (at.z < env->sea_level_m && l->mirrors >= 0) {
+            struct pel_vec3 offset = pel_globe_offset(eye, at);
+            double away2 = pel_vec3_dot(offset, offset) + 1.0;
+            below[count++] =
+                (struct pel_glow_candidate){ l, offset,
+                                             l->intensity_cd[1] / away2, 0 };
+            qsort(below, (size_t)count, sizeof *below, brighter);
+            count = count < PEL_UNDER_LAMPS ? count : PEL_UNDER_LAMPS;
+        }
+    }
+    double m[9], inverse[9];
+    pel_lights_colours(env->lights, env->lit, env->night.on, m);
+    pel_lamp_inverse(m, inverse);
+    for (int i = 0; i < count; i++) {
+        uint32_t words[4 * PEL_GLOW_TEXELS];
+        describe(&below[i], m, inverse, 0.0, words);
+        memcpy(out[PEL_GLOW_TEXELS * i], words, sizeof words);
+    }
+    return count;
+}
+
+bool pel_lamp_glow_any_below(const struct pel_environment *env)
+{
+    for (size_t i = 0; i < env->lamp_count; i++) {
+        if (env->lamps[i].altitude_m < env->sea_level_m &&
+            env->lamps[i].mirrors >= 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* --- where ---------------------------------------------------------------- */
 
 /* A lamp by its azimuth, distance over ground and height over the eye. */

@@ -34,4 +34,12 @@ void pel_lamp_glow_bind(struct pel_lamp_glow *g,
                         const struct pel_environment *env,
                         const struct pel_camera *camera, uint32_t first_row,
                         int margin);
+
+/* Those in the water that shine most where an eye in it is, in the same form,
+ * at most PEL_UNDER_LAMPS; their number. */
+int pel_lamp_glow_below(const struct pel_environment *env,
+                        const struct pel_camera *camera,
+                        float out[PEL_UNDER_LAMPS * PEL_GLOW_TEXELS][4]);
+bool pel_lamp_glow_any_below(const struct pel_environment *env);
+
 void pel_lamp_glow_finish(struct pel_lamp_glow *g);

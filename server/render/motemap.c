@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ocean/cascade.h"
+#include "render/lampglow.h"
 #include "render/shader.h"
 
 #define SWAYS_SIGMAS 3.0 /* of waves, that particles are looked for */
@@ -20,10 +21,12 @@ static void defines_of(const struct pel_environment *env,
                        const struct pel_programs *p, bool objects,
                        char out[512])
 {
-    snprintf(
-        out, 512, "%s%s%s%s", env->sea->cascades ? "#define PEL_FFT\n" : "",
-        p->software ? "" : "#define PEL_EXACT_TEXELS\n",
-        objects ? "#define PEL_OBJECTS\n" : "", pel_light_program_defines(env));
+    snprintf(out, 512, "%s%s%s%s%s",
+             env->sea->cascades ? "#define PEL_FFT\n" : "",
+             p->software ? "" : "#define PEL_EXACT_TEXELS\n",
+             objects ? "#define PEL_OBJECTS\n" : "",
+             pel_lamp_glow_any_below(env) ? "#define PEL_LAMPS_BELOW\n" : "",
+             pel_light_program_defines(env));
 }
 
 static GLuint *place_of(struct pel_mote_map *map, const char *defines)

@@ -39,7 +39,7 @@ static struct pel_picture *seen(const struct pel_environment *env, bool below)
 /* Seen from below north is at the bottom. */
 static size_t place(bool below, int x, int y)
 {
-    return (size_t)((below ? SIDE - 1 - y : y) * SIDE + x);
+    return (size_t)(below ? SIDE - 1 - y : y) * SIDE + (size_t)x;
 }
 
 static void squares_of(const struct pel_picture *p, bool below,

@@ -8,6 +8,7 @@
 
 #include "base/log.h"
 #include "base/vec.h"
+#include "render/lampglow.h"
 #include "render/pass.h"
 #include "render/seabedmap.h"
 #include "render/shader.h"
@@ -101,7 +102,10 @@ static void defines_of(const struct pel_environment *env,
     const bool shades = part >= SCENE;
     char surface[PEL_SURFACE_TEXT];
     pel_programs_surface(p, env->sea, surface);
-    snprintf(out, 512, "%s%s%s%s%s%s%s", surface, of[part],
+    snprintf(out, 512, "%s%s%s%s%s%s%s%s", surface, of[part],
+             shades && pel_lamp_glow_any_below(env)
+                 ? "#define PEL_LAMPS_BELOW\n"
+                 : "",
              shades ? pel_programs_foam(env->sea) : "",
              shades ? pel_shading_defines(kind) : "",
              shades ? pel_light_program_defines(env) : "",
@@ -348,6 +352,9 @@ static void fill_block(const struct pel_under_map *map,
         .under_drift = vec4(depth_in_light(env, c, place), FACETS, 0.0,
                             m->peak_square / (TURNED * TURNED)),
     };
+    float lamps[PEL_UNDER_LAMPS * PEL_GLOW_TEXELS][4] = { 0 };
+    out->under_lens.y = (float)pel_lamp_glow_below(env, c, lamps);
+    memcpy(out->under_lamps, lamps, sizeof out->under_lamps);
     for (int i = 0; i < env->lit; i++) {
         const struct pel_vec3 to = env->lights[i].direction;
         double x = to.x / PEL_WATER_INDEX, y = to.y / PEL_WATER_INDEX;

@@ -248,10 +248,14 @@ static void read_light(const Pelagos__State *state, const Pelagos__Entity *e,
     }
 }
 
-/* Above the first eye, which is the bridge's. */
-static struct pel_vec3 lamp_place(const struct pel_model *m)
+/* Above the first eye, which is the bridge's; on nothing where its light is. */
+static struct pel_vec3 lamp_place(const Pelagos__Entity *e,
+                                  const struct pel_model *m)
 {
     struct pel_vec3 at = { 0, 0, m ? 0.8 * m->height_m : NO_MODEL_M };
+    if (!m && e->light && e->light->has_height) {
+        at.z = e->light->height;
+    }
     if (m && m->eye_count > 0) {
         at = m->eyes[0].at;
         at.z += 0.5 + 0.01 * m->length_m;
@@ -272,7 +276,7 @@ static void read_beams(const Pelagos__Entity *e, const struct pel_model *m,
                                         search->elevation * PEL_DEG,
                                     .half_rad = search->width * PEL_DEG / 2,
                                     .intensity_cd = search->intensity,
-                                    .at = lamp_place(m) };
+                                    .at = lamp_place(e, m) };
     }
     if (signal && signal->text && *signal->text) {
         out->signal = (struct pel_morse_lamp){
@@ -280,7 +284,7 @@ static void read_beams(const Pelagos__Entity *e, const struct pel_model *m,
             .unit_s = 60 / (PARIS_UNITS * signal->speed),
             .pointed = signal->has_bearing,
             .bearing_rad = signal->bearing * PEL_DEG,
-            .at = lamp_place(m),
+            .at = lamp_place(e, m),
         };
         if (!signal->has_bearing && m) {
             out->signal.at =

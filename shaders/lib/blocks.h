@@ -1126,12 +1126,15 @@ PEL_BLOCK(PEL_BLOCK_MEDIUM, medium)
 #define PEL_MOTE_MARGIN 64
 /* Radius of the dome before a lens that waves may cross, m. */
 #define PEL_UNDER_DOME 0.1
+/* Lamps in the water that light it. */
+#define PEL_UNDER_LAMPS 8
 #if defined(__STDC__) || defined(PEL_UNDER)
 PEL_BLOCK(PEL_BLOCK_UNDER, under)
 {
     vec4 under_eye;     /* x depth below the mean sea, m; y the water's surface
                            above the eye, m; zw its slope there */
-    vec4 under_lens;    /* x 1: the surface crosses the lens; w 1: shafts */
+    vec4 under_lens;    /* x 1: the surface crosses the lens; y lamps in the
+                           water; w 1: shafts */
     vec4 under_scaled;  /* rgb extinction without the forward peak, 1/m */
     vec4 under_full;    /* rgb extinction, 1/m */
     vec4 under_scatter; /* rgb scattering, 1/m */
@@ -1148,6 +1151,7 @@ PEL_BLOCK(PEL_BLOCK_UNDER, under)
                                      normal to it for 1 above the surface */
     vec4 under_turns[PEL_UNDER_TURNS + 1]; /* rgb log2 of the phase function
                                               without its peak */
+    vec4 under_lamps[PEL_GLOW_TEXELS * PEL_UNDER_LAMPS]; /* as lamp_glows */
 };
 #endif
 PEL_BLOCK(PEL_BLOCK_BEAM, beam)

@@ -1,23 +1,12 @@
 // The lamps that shine most where the eye is (render/lampglow.h), and their
 // light on things.
+#include "lib/lamptowards.glsl"
 #ifdef PEL_LAMPS
 layout(binding = PEL_UNIT_LAMP_GLOWS) uniform usamplerBuffer lamp_glows;
 
 vec4 glow_texel(int lamp, int i)
 {
     return uintBitsToFloat(texelFetch(lamp_glows, 1 + PEL_GLOW_TEXELS * lamp + i));
-}
-
-// Twin of pel_lamp_towards.
-float lamp_towards(vec3 dir, vec4 light, vec4 axis, vec4 up, float spread)
-{
-    float along = dot(dir, axis.xyz), rise = dot(dir, up.xyz);
-    float beam = fast_acos(clamp(along, -1.0, 1.0)) / max(light.w, 1e-4);
-    float flat_ = along * inversesqrt(max(1.0 - rise * rise, 1e-12));
-    float beyond = fast_acos(clamp(flat_, -1.0, 1.0)) - axis.w;
-    float sector = clamp(1.0 - beyond / up.w, 0.0, 1.0);
-    float off = max(0.5 * PI - fast_acos(clamp(abs(rise), 0.0, 1.0)) - spread, 0.0) / spread;
-    return light.w > 0.0 ? exp2(-beam * beam) : sector * exp2(-off * off);
 }
 
 // At a place, from the eye: the irradiance across the way to the lamp, and the

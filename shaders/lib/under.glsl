@@ -2,6 +2,7 @@
 // hulls, and the water before them.
 
 #include "lib/underlens.glsl"
+#include "lib/underlamps.glsl"
 
 layout(binding = PEL_UNIT_SHAFTS) uniform sampler2DArray shafts;
 
@@ -82,6 +83,9 @@ under_light under_water(vec3 sight, float s, under_light beyond, vec3 shafts_)
     under_light l = under_sum(UNDER_DARK, beyond, under_left(s));
     l.more += water_between(sight, under_depth(), s);
     l.once += max(suns_between(sight, under_depth(), s) + shafts_, vec3(0.0));
+#ifdef PEL_LAMPS_BELOW
+    l.once += under_lamps_between(sight, s);
+#endif
     return l;
 }
 
@@ -94,6 +98,9 @@ void under_falling(vec3 place, vec3 n, float z, float focus, out vec3 direct, ou
         direct += i == PEL_LIGHT_FIRST ? one * (1.0 + focus) : one;
     }
     around = under_diffuse(n, z) / PI;
+#ifdef PEL_LAMPS_BELOW
+    around += under_lamps_on_face(place, n) / PI;
+#endif
 }
 
 vec3 under_bottom_normal(vec2 place, float footprint)
@@ -109,7 +116,7 @@ vec3 under_bottom_normal(vec2 place, float footprint)
 under_light under_bottom(vec2 place, vec3 n, float z, float focus)
 {
     vec3 direct, around;
-    under_falling(vec3(place, -z), n, z, focus, direct, around);
+    under_falling(vec3(place, under_eye.x - z), n, z, focus, direct, around);
     under_light l = UNDER_DARK;
     l.bottom = under_ground.rgb * (direct + around);
     return l;

@@ -14,7 +14,7 @@ void foam_below(float bright, out vec3 down, out vec3 back_)
 
 // It hides what the surface lets through and mirrors. x: its share, y: how bright
 // it is from above.
-void cover_by_foam_below(vec2 foam, inout under_light l)
+void cover_by_foam_below(vec2 foam, vec3 place, inout under_light l)
 {
     if (foam.x <= 0.0) {
         return;
@@ -29,5 +29,8 @@ void cover_by_foam_below(vec2 foam, inout under_light l)
     of_foam.sun = down * sun / PI;
     of_foam.sky = down * sky / PI;
     of_foam.more = back_ * under_flux(0.0, 1.0) / PI;
+#ifdef PEL_LAMPS_BELOW
+    of_foam.once = back_ * under_lamps_on_face(place, vec3(0.0, 0.0, -1.0)) / PI;
+#endif
     l = under_sum(under_sum(UNDER_DARK, l, vec3(1.0 - foam.x)), of_foam, vec3(foam.x));
 }
