@@ -570,7 +570,8 @@ $(O)/bin/cloudtrace: $(OBJ)/tests/validate/cloudtrace.o
 
 VALIDATE_PARTS := sea sky drawn numbers eye foam night ship space
 VALIDATE_BIN := $(addprefix $(O)/bin/,seatrace shiptrace spacetrace airours validate_water brdf_test facets_test \
-    directional_test ndbc_test welch_test cascade_test probe_test shimmer_test drawn_test space_rows_test)
+    directional_test ndbc_test welch_test cascade_test probe_test shimmer_test drawn_test space_rows_test \
+    space_mixed_test)
 .PHONY: validate $(addprefix validate-,$(VALIDATE_PARTS))
 validate: deps-build ## light, waves, water, eye, ships against references: tables and plots in build/validate/ (ARGS=--quick: a minute)
 	$(Q)$(MAKE) -s --no-print-directory all $(VALIDATE_BIN)

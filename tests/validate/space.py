@@ -71,7 +71,8 @@ def sights(height):
     return np.concatenate([ground, limb])
 
 
-def traced(height, elevation, azimuth, angles, slopes, toward, error):
+def traced(height, elevation, azimuth, angles, slopes, toward, error,
+           wind=WIND):
     lines = "".join(f"{a:.6f} {azimuth:g}\n" for a in angles)
     out = subprocess.run(
         [os.path.join(ROOT, "build", "release", "bin", "spacetrace"),
@@ -79,7 +80,7 @@ def traced(height, elevation, azimuth, angles, slopes, toward, error):
          "--radius", f"{RADIUS_M / 1e3:g}", "--visibility", "40",
          "--slopes", f"{slopes[0]:g},{slopes[1]:g}", "--toward", f"{toward:g}",
          "--water", WATER, "--error", f"{error:g}",
-         "--ground", "waves", "--wind", f"{WIND:g}"],
+         "--ground", "waves", "--wind", f"{wind:g}"],
         input=lines, capture_output=True, text=True, check=True).stdout
     rows = out.splitlines()
     names = rows[0].split(",")
@@ -130,7 +131,7 @@ def rows_rise(ocean, daemon, slopes, quick):
         heights = [h for h in HEIGHTS[::2 if quick else 1]
                    if 90 + pitch < 0.97 * math.degrees(
                        math.asin(RADIUS_M / (RADIUS_M + h)))]
-        share, noise = [], []
+        share, noise, light = [], [], []
         for height in heights:
             times = 1 if quick else patches(height)
             ours = np.mean([row_of(ocean, daemon, height, pitch, 10 + 37 * i)
@@ -139,6 +140,7 @@ def rows_rise(ocean, daemon, slopes, quick):
             theirs, off, _ = traced(height, *ROWS_SUN, np.array([90.0 + pitch]),
                                     slopes, toward, error)
             share.append(ours / (theirs[0] @ WEIGHTS))
+            light.append((ours, theirs[0] @ WEIGHTS))
             noise.append(math.sqrt(((off[0] * WEIGHTS) ** 2).sum()) /
                          (theirs[0] @ WEIGHTS))
         moves = [b / a - 1 for a, b in zip(share, share[1:])]
@@ -155,8 +157,13 @@ def rows_rise(ocean, daemon, slopes, quick):
                      f"{100 * max(noise):.2f} % | "
                      f"{'pass' if good else 'FAIL'} |")
         print(lines[-1], flush=True)
-        print("    " + ", ".join(f"{h / 1e3:g} km {100 * s - 100:+.2f} %"
-                                 for h, s in zip(heights, share)), flush=True)
+        print("    drawn over traced: " + ", ".join(
+            f"{h / 1e3:g} km {100 * s - 100:+.2f} %"
+            for h, s in zip(heights, share)), flush=True)
+        print("    from each to the next, drawn (traced: the air's): " +
+              ", ".join(f"{100 * b[0] / a[0] - 100:+.1f} % "
+                        f"({100 * b[1] / a[1] - 100:+.1f})"
+                        for a, b in zip(light, light[1:])), flush=True)
     return lines, rows, failed
 
 

@@ -64,6 +64,8 @@ def parts(options):
         "foam": [script("foam.py", options)],
         "night": [script("night.py", options)],
         "space": [script("space.py", options),
+                  script("spacewinds.py", options),
+                  [os.path.join(BIN, "space_mixed_test")],
                   [os.path.join(BIN, "space_rows_test")]
                   + ([] if options.quick else ["--long"])],
     }
@@ -371,15 +373,30 @@ def space_checks(folder):
         moves = [abs(b / a - 1) for a, b in zip(r["share"], r["share"][1:])]
         yield (f"rows at {r['pitch']}° from {r['heights'][0] / 1e3:g} to "
                f"{r['heights'][-1] / 1e3:g} km", "luminance moves as the "
-               "trace's, ≤ 1 % an octave", f"{100 * max(moves):.2f} %, noise "
+               "trace's, ≤ 1 % an octave and twice the noise", f"{100 * max(moves):.2f} %, noise "
                f"{100 * max(r['noise']):.2f} %", r["pass"])
+    found = read(folder, "spacewinds.json")
+    for r in found["rows"] if found else ():
+        parts = [f"{100 * r[name]:.1f} % {where} (told the other wind "
+                 f"{100 * r[name + 'Other']:.1f} %)" for name, where in
+                 (("beside", "beside the glint"), ("in", "in it"))
+                 if r[name] is not None]
+        yield (f"two winds from {r['height'] / 1e3:g} km, Sun {r['sun']}°, "
+               f"{r['azimuth']}° aside", "medians ≤ 2 % beside the glint, "
+               "≤ 5 % in it", ", ".join(parts), r["pass"])
     rows = said(folder, "space_rows_test",
                 r"(\d+)° below: ([\d.]+) % an octave.* ([\d.]+) %")
     for below, most, noise in rows:
         yield (f"rows {below}° below the horizontal from 2 m to 400 km, "
-               "without the air", "luminance moves by ≤ 1 % an octave",
+               "without the air", "luminance moves by ≤ 1 % an octave and twice "
+               "the noise",
                f"{most} %, noise {noise} %",
                float(most) <= 1 + 2 * float(noise))
+    for what, most in said(folder, "space_mixed_test",
+                           r"(.*), each hundredth.* by ([\d.]+) of 255"):
+        yield (f"pictures with {what} from 20 to 30 km, bands of 8 rows",
+               "move by ≤ 3 of 255 each 1 % of height", most,
+               float(most) <= 3)
 
 
 CHECKS = {"sea": sea_checks, "sky": sky_checks, "water": water_checks,
