@@ -18,7 +18,9 @@ static inline bool fuzz_vector(struct pel_vec3 v)
 /* Somewhere, and not bent, whenever it is asked. */
 static inline void fuzz_cameras(const struct pel_snapshot *s)
 {
-    static const double times[] = { 0, 100, 3e8 };
+    /* Helms are stepped, each step through a sea. */
+    static const double all[][3] = { { 0, 100, 3e8 }, { 0, 0.5, 1 } };
+    const double *times = all[s->ship_count > 0];
     for (size_t k = 0; k < 3 * s->view_count; k++) {
         struct pel_camera c;
         pel_snapshot_camera(s, k / 3, times[k % 3], 0, 0, &c);

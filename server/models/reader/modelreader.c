@@ -15,20 +15,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "base/sandbox.h"
+#include "base/reader.h"
 #include "models/reader/meshfile.h"
 
 #define MOST_MEMORY ((size_t)512 << 20)
 #define MOST_CPU_S 6
-
-_Noreturn static void refuse(const char *why)
-{
-    fprintf(stderr, "%s\n", why);
-    fflush(stderr);
-    _Exit(1);
-}
 
 void pel_mesh_note(struct pel_mesh_notes *notes, const char *format, ...)
 {
@@ -68,21 +60,6 @@ static bool read_arguments(int argc, char **argv, struct pel_mesh_request *out)
     return true;
 }
 
-/* Into the directory, and the sandbox closed behind us. */
-static enum pel_err enter(const char *directory, struct pel_fault *fault)
-{
-    const char *readable[] = { ".", NULL };
-    const struct pel_sandbox sandbox = { .readable = readable,
-                                         .cpu_s = MOST_CPU_S,
-                                         .memory_bytes = MOST_MEMORY,
-                                         .walls = PEL_SANDBOX_ALL };
-    if (chdir(directory)) {
-        return pel_fault_set(fault, PEL_ERR_IO, "%.160s: %s", directory,
-                             strerror(errno));
-    }
-    return pel_sandbox_close(&sandbox, fault);
-}
-
 int main(int argc, char **argv)
 {
     struct pel_mesh_request request = { 0 };
@@ -98,16 +75,12 @@ int main(int argc, char **argv)
     }
     snprintf(name, sizeof name, "./%.500s", argv[2]);
     request.path = name;
-    if (enter(argv[1], &fault) ||
-        pel_mesh_read(&request, &shape, &notes, &fault) ||
+    const char *readable[] = { ".", NULL };
+    pel_reader_begin(
+        &(struct pel_reader){ argv[1], readable, MOST_CPU_S, MOST_MEMORY });
+    if (pel_mesh_read(&request, &shape, &notes, &fault) ||
         pel_shape_finish(&shape, &draft, &fault)) {
-        refuse(fault.message);
+        pel_reader_refuse(fault.message);
     }
-    if (!pel_model_wire_write(stdout, &draft.model, notes.text) ||
-        fflush(stdout)) {
-        refuse(strerror(errno));
-    }
-    /* No tidying up: the system does it faster. */
-    fflush(stderr);
-    _Exit(0);
+    pel_reader_end(pel_model_wire_write(stdout, &draft.model, notes.text));
 }

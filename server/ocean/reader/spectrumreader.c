@@ -9,30 +9,21 @@
  * input. It may read that file, and of NDBC's historical text those beside it,
  * or none, and nothing else (base/sandbox.h). On failure a sentence on standard
  * error, status 1, or 2 for wrong use. */
-#include <errno.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "base/sandbox.h"
+#include "base/reader.h"
 #include "ocean/reader/shelf.h"
 #include "ocean/spectrumfile.h"
 
 #define MOST_MEMORY ((size_t)2 << 30)
 #define MOST_CPU_S 12
 
-_Noreturn static void refuse(const char *why)
-{
-    fprintf(stderr, "%s\n", why);
-    fflush(stderr);
-    _Exit(1);
-}
-
-static enum pel_err enter(const char *directory, const char *path,
-                          struct pel_fault *fault)
+/* The file, and of NDBC's historical text those beside it. */
+static void begin(const char *directory, const char *path)
 {
     static char others[4][4096];
     const char *readable[6] = { path };
@@ -44,15 +35,8 @@ static enum pel_err enter(const char *directory, const char *path,
         }
         readable[1 + i] = others[i];
     }
-    const struct pel_sandbox sandbox = { .readable = readable,
-                                         .cpu_s = MOST_CPU_S,
-                                         .memory_bytes = MOST_MEMORY,
-                                         .walls = PEL_SANDBOX_ALL };
-    if (chdir(directory)) {
-        return pel_fault_set(fault, PEL_ERR_IO, "%.160s: %s", directory,
-                             strerror(errno));
-    }
-    return pel_sandbox_close(&sandbox, fault);
+    pel_reader_begin(
+        &(struct pel_reader){ directory, readable, MOST_CPU_S, MOST_MEMORY });
 }
 
 /* By its first bytes. */
@@ -77,15 +61,13 @@ static pel_shelf_form *form_of(const char *path)
 _Noreturn static void write_netcdf(void)
 {
     static const char *const nothing[] = { NULL };
-    const struct pel_sandbox sandbox = { .readable = nothing,
-                                         .cpu_s = MOST_CPU_S,
-                                         .memory_bytes = MOST_MEMORY,
-                                         .walls = PEL_SANDBOX_ALL };
     struct pel_fault fault = { 0 };
-    if (pel_sandbox_close(&sandbox, &fault) || pel_write_netcdf(&fault)) {
-        refuse(fault.message);
+    pel_reader_begin(
+        &(struct pel_reader){ NULL, nothing, MOST_CPU_S, MOST_MEMORY });
+    if (pel_write_netcdf(&fault)) {
+        pel_reader_refuse(fault.message);
     }
-    _Exit(0);
+    pel_reader_end(true);
 }
 
 static bool put(const double *v, int count)
@@ -111,26 +93,21 @@ int main(int argc, char **argv)
     snprintf(path, sizeof path, "./%.4000s", argv[2]);
     /* HDF5 would lock the file, which the sandbox does not let it. */
     setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
-    if (enter(argv[1], path, &fault)) {
-        refuse(fault.message);
-    }
+    begin(argv[1], path);
     pel_shelf_form *read = form_of(path);
     if (!read) {
-        refuse("neither NetCDF, nor SWAN's, WAVEWATCH III's or NDBC's "
-               "historical text");
+        pel_reader_refuse(
+            "neither NetCDF, nor SWAN's, WAVEWATCH III's or NDBC's "
+            "historical text");
     }
     if (read(path, &want, &m, &unix_s, &fault)) {
-        refuse(fault.message);
+        pel_reader_refuse(fault.message);
     }
     const int32_t head[2] = { m.count, 0 };
-    if (fwrite(PEL_SPECTRUM_FILE_MAGIC, 8, 1, stdout) != 1 ||
-        fwrite(head, sizeof head, 1, stdout) != 1 || !put(&unix_s, 1) ||
-        !put(m.frequency_hz, m.count) || !put(m.density, m.count) ||
-        !put(m.r1, m.count) || !put(m.r2, m.count) ||
-        !put(m.alpha1_rad, m.count) || !put(m.alpha2_rad, m.count) ||
-        fflush(stdout)) {
-        refuse(strerror(errno));
-    }
-    fflush(stderr);
-    _Exit(0);
+    pel_reader_end(fwrite(PEL_SPECTRUM_FILE_MAGIC, 8, 1, stdout) == 1 &&
+                   fwrite(head, sizeof head, 1, stdout) == 1 &&
+                   put(&unix_s, 1) && put(m.frequency_hz, m.count) &&
+                   put(m.density, m.count) && put(m.r1, m.count) &&
+                   put(m.r2, m.count) && put(m.alpha1_rad, m.count) &&
+                   put(m.alpha2_rad, m.count));
 }

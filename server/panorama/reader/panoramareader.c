@@ -9,38 +9,14 @@
 #include <errno.h>
 #include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "base/sandbox.h"
+#include "base/reader.h"
 #include "panorama/panorama.h"
 #include "panorama/reader/equirect.h"
 
 #define MOST_MEMORY ((size_t)1 << 30)
 #define MOST_CPU_S 12
-
-_Noreturn static void refuse(const char *why)
-{
-    fprintf(stderr, "%s\n", why);
-    fflush(stderr);
-    _Exit(1);
-}
-
-static enum pel_err enter(const char *directory, const char *path,
-                          struct pel_fault *fault)
-{
-    const char *readable[] = { path, NULL };
-    const struct pel_sandbox sandbox = { .readable = readable,
-                                         .cpu_s = MOST_CPU_S,
-                                         .memory_bytes = MOST_MEMORY,
-                                         .walls = PEL_SANDBOX_ALL };
-    if (chdir(directory)) {
-        return pel_fault_set(fault, PEL_ERR_IO, "%.160s: %s", directory,
-                             strerror(errno));
-    }
-    return pel_sandbox_close(&sandbox, fault);
-}
 
 static enum pel_err read_file(const char *path, struct pel_equirect *out,
                               struct pel_fault *fault)
@@ -72,19 +48,17 @@ int main(int argc, char **argv)
         return 2;
     }
     snprintf(path, sizeof path, "./%.4000s", argv[2]);
-    if (enter(argv[1], path, &fault) || read_file(path, &picture, &fault)) {
-        refuse(fault.message);
+    const char *readable[] = { path, NULL };
+    pel_reader_begin(
+        &(struct pel_reader){ argv[1], readable, MOST_CPU_S, MOST_MEMORY });
+    if (read_file(path, &picture, &fault)) {
+        pel_reader_refuse(fault.message);
     }
     const uint32_t sides[2] = { (uint32_t)picture.columns,
                                 (uint32_t)picture.rows };
     size_t count = 3 * (size_t)picture.columns * (size_t)picture.rows;
-    if (fwrite(PEL_PANORAMA_MAGIC, 8, 1, stdout) != 1 ||
-        fwrite(sides, sizeof sides, 1, stdout) != 1 ||
-        fwrite(picture.values, sizeof *picture.values, count, stdout) !=
-            count ||
-        fflush(stdout)) {
-        refuse(strerror(errno));
-    }
-    fflush(stderr);
-    _Exit(0);
+    pel_reader_end(
+        fwrite(PEL_PANORAMA_MAGIC, 8, 1, stdout) == 1 &&
+        fwrite(sides, sizeof sides, 1, stdout) == 1 &&
+        fwrite(picture.values, sizeof *picture.values, count, stdout) == count);
 }

@@ -14,9 +14,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-#include "base/sandbox.h"
+#include "base/reader.h"
 #include "seabed/reader/raster.h"
 #include "seabed/wire.h"
 
@@ -49,29 +48,6 @@ static bool read_arguments(int argc, char **argv,
                                    PEL_SEABED_SPACING_MAX, &out->spacing_m));
 }
 
-_Noreturn static void refuse(const char *why)
-{
-    fprintf(stderr, "%s\n", why);
-    fflush(stderr);
-    _Exit(1);
-}
-
-/* Into the directory, and the sandbox closed behind us. */
-static enum pel_err enter(const char *directory, struct pel_fault *fault)
-{
-    const char *readable[PEL_GDAL_MOST_PLACES + 2] = { "." };
-    const struct pel_sandbox sandbox = { .readable = readable,
-                                         .cpu_s = MOST_CPU_S,
-                                         .memory_bytes = MOST_MEMORY,
-                                         .walls = PEL_SANDBOX_ALL };
-    if (chdir(directory)) {
-        return pel_fault_set(fault, PEL_ERR_IO, "%.160s: %s", directory,
-                             strerror(errno));
-    }
-    pel_raster_prepare(readable + 1);
-    return pel_sandbox_close(&sandbox, fault);
-}
-
 int main(int argc, char **argv)
 {
     struct pel_raster_request request = { 0 };
@@ -88,18 +64,17 @@ int main(int argc, char **argv)
     /* No name is one of GDAL's prefixes then. */
     snprintf(name, sizeof name, "./%.500s", request.path);
     request.path = name;
-    if (enter(argv[4], &fault) || pel_raster_read(&request, &field, &fault)) {
-        refuse(fault.message);
+    const char *readable[PEL_GDAL_MOST_PLACES + 2] = { "." };
+    pel_raster_prepare(readable + 1);
+    pel_reader_begin(
+        &(struct pel_reader){ argv[4], readable, MOST_CPU_S, MOST_MEMORY });
+    if (pel_raster_read(&request, &field, &fault)) {
+        pel_reader_refuse(fault.message);
     }
     pel_seabed_wire_head(field.columns, field.rows, field.west_m, field.south_m,
                          field.spacing_m, head);
     size_t count = (size_t)field.columns * (size_t)field.rows;
-    if (fwrite(head, sizeof head, 1, stdout) != 1 ||
-        fwrite(field.heights, sizeof *field.heights, count, stdout) != count ||
-        fflush(stdout)) {
-        refuse(strerror(errno));
-    }
-    /* No tidying up: the system does it faster. */
-    fflush(stderr);
-    _Exit(0);
+    pel_reader_end(
+        fwrite(head, sizeof head, 1, stdout) == 1 &&
+        fwrite(field.heights, sizeof *field.heights, count, stdout) == count);
 }
