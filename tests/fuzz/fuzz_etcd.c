@@ -210,8 +210,9 @@ static void take_pair(const char *key, const char *hex, size_t size,
 {
     GByteArray *value = g_byte_array_new();
     for (size_t i = 0; i + 1 < size; i += 2) {
-        guint8 byte = (guint8)(g_ascii_xdigit_value(hex[i]) << 4 |
-                               g_ascii_xdigit_value(hex[i + 1]));
+        unsigned high = (unsigned)g_ascii_xdigit_value(hex[i]);
+        unsigned low = (unsigned)g_ascii_xdigit_value(hex[i + 1]);
+        guint8 byte = (guint8)((high & 15) << 4 | (low & 15));
         g_byte_array_append(value, &byte, 1);
     }
     char *k = g_base64_encode((const guchar *)key, strlen(key));

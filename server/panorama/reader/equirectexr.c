@@ -83,6 +83,28 @@ static enum pel_err find_channels(exr_context_t file, bool *grey,
                                "the OpenEXR has no channels R, G, B");
 }
 
+static enum pel_err add_lines(exr_context_t file, int top, int32_t count,
+                              const struct lines *lines,
+                              struct pel_equirect *out, struct pel_fault *fault)
+{
+    for (int64_t row = 0; row < out->file_rows; row += count) {
+        exr_result_t rc = decode(file, (int)(top + row), lines);
+        if (rc != EXR_ERR_SUCCESS) {
+            return pel_fault_set(fault, PEL_ERR_MALFORMED,
+                                 "row %d of the OpenEXR: %s", (int)row,
+                                 exr_get_default_error_message(rc));
+        }
+        for (int i = 0; i < count && row + i < out->file_rows; i++) {
+            float *line = lines->rgb + 3 * (size_t)i * (size_t)lines->columns;
+            for (int x = 0; x < lines->columns && lines->grey; x++) {
+                line[3 * x + 1] = line[3 * x + 2] = line[3 * x];
+            }
+            pel_equirect_add(out, (int)row + i, line);
+        }
+    }
+    return PEL_OK;
+}
+
 static enum pel_err read_lines(exr_context_t file, int top,
                                struct pel_equirect *out,
                                struct pel_fault *fault)
@@ -100,25 +122,12 @@ static enum pel_err read_lines(exr_context_t file, int top,
     size_t texels = (size_t)out->file_columns * (size_t)count;
     lines.rgb = calloc(3 * texels, sizeof *lines.rgb);
     lines.rest = calloc(texels, sizeof *lines.rest);
-    if (!lines.rgb || !lines.rest) {
-        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
-    }
-    for (int64_t row = 0; row < out->file_rows; row += count) {
-        exr_result_t rc = decode(file, (int)(top + row), &lines);
-        if (rc != EXR_ERR_SUCCESS) {
-            return pel_fault_set(fault, PEL_ERR_MALFORMED,
-                                 "row %d of the OpenEXR: %s", (int)row,
-                                 exr_get_default_error_message(rc));
-        }
-        for (int i = 0; i < count && row + i < out->file_rows; i++) {
-            float *line = lines.rgb + 3 * (size_t)i * (size_t)out->file_columns;
-            for (int x = 0; x < out->file_columns && lines.grey; x++) {
-                line[3 * x + 1] = line[3 * x + 2] = line[3 * x];
-            }
-            pel_equirect_add(out, (int)row + i, line);
-        }
-    }
-    return PEL_OK;
+    err = lines.rgb && lines.rest
+              ? add_lines(file, top, count, &lines, out, fault)
+              : pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    free(lines.rgb);
+    free(lines.rest);
+    return err;
 }
 
 static enum pel_err read_part(exr_context_t file, struct pel_equirect *out,
