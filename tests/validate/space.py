@@ -2,13 +2,14 @@
 """What is seen from high up against a Monte Carlo of air and sea that shares
 nothing with the program (spacetrace).
 
-    space.py [--quick] [--assert]
+    space.py [--quick] [--assert] [--own-water]
 
 Pictures of the open sea on the equator looking east, where the ellipsoid is a
 circle of its larger radius, by sights from the nadir to beyond the limb, into
 the glint, beside it and away from the Sun; 1 km to 10,000 km, Sun 10 to 60
 degrees high, 7 m/s, 40 km of visibility. The trace is told the picture's slope
-variances, and what leaves the water as the air's own light has it from below.
+variances, and what leaves the water as the air's own light has it from below
+(--own-water: what leaves the picture's straight up, by /v1/optics/water).
 Judged is the radiance at 680, 550 and 440 nm, where it is above a thousandth of
 the brightest and the noise of the trace, and of the few waves that are seen
 from 1 km, is below half of the bar: 2 % where the glint is less than a hundredth
@@ -57,7 +58,10 @@ WEIGHTS = np.array([0.285, 0.70, 0.015])
 WIND_FROM, WIND = 200.0, 7.0
 # Share of the light that falls on it, at chlorophyll 0.2 mg/m3 (Morel and
 # Maritorena 2001): what the air's light has from below, too.
-WATER = "0.0006,0.006,0.02"
+TOLD = {"water": "0.0006,0.006,0.02", "own": False}
+# A level surface of 1.34 lets 0.979 of light through straight up, of light from
+# all sides alike 0.934, by what it brings to a level face.
+UPRIGHT = 0.979 / 0.934
 
 
 def sights(height):
@@ -79,7 +83,7 @@ def traced(height, elevation, azimuth, angles, slopes, toward, error,
          "--heights", f"{height:g}", "--sun", f"{90 - elevation:g}",
          "--radius", f"{RADIUS_M / 1e3:g}", "--visibility", "40",
          "--slopes", f"{slopes[0]:g},{slopes[1]:g}", "--toward", f"{toward:g}",
-         "--water", WATER, "--error", f"{error:g}",
+         "--water", TOLD["water"], "--error", f"{error:g}",
          "--ground", "waves", "--wind", f"{wind:g}"],
         input=lines, capture_output=True, text=True, check=True).stdout
     rows = out.splitlines()
@@ -103,6 +107,10 @@ def scene(daemon, elevation, azimuth, time=10):
                 "spectrum": "ELFOUHAILY", "sparkle": False, "whitecaps": 0},
         "sky": {"sunElevation": elevation, "sunAzimuth": 90 + azimuth,
                 "visibility": 40000}})
+    if TOLD["own"]:
+        rrs = daemon.get("/v1/optics/water").json()["water"][
+            "remoteSensingReflectance"]
+        TOLD["water"] = ",".join(f"{math.pi * r / UPRIGHT:.5g}" for r in rrs)
 
 
 def view(daemon, **fields):
@@ -197,7 +205,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--assert", dest="check", action="store_true")
+    parser.add_argument("--own-water", action="store_true")
     options = parser.parse_args()
+    TOLD["own"] = options.own_water
     os.nice(max(0, 10 - os.nice(0)))
     lines = ["| from | Sun | azimuth | sights | beside the glint, median, 90 in "
              "100 | in it | |", "|" + "---|" * 7]
