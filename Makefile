@@ -71,7 +71,7 @@ WARN := -Wno-psabi -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototyp
 OPT_release := -O2 -g
 OPT_asan := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer
 OPT_tsan := -O1 -g -fsanitize=thread
-OPT_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined
+OPT_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
 OPT_cover := -O1 -g -fsanitize=fuzzer-no-link -fprofile-instr-generate -fcoverage-mapping
 ifneq ($(filter fuzz cover,$(FLAVOR)),)
 CC := clang
@@ -746,11 +746,11 @@ fuzz: $(fuzz_bin)
 	    name=$$(basename $$f); corpus=build/corpus/$$name; \
 	    seeds=tests/fuzz/corpus/$$name; mkdir -p $$corpus; \
 	    echo "== $$name, $(FUZZ_SECONDS) s"; \
-	    $$f -max_total_time=$(FUZZ_SECONDS) -timeout=60 -rss_limit_mb=2048 \
+	    case " $(FUZZ_LEAKY) " in *" $$name "*) leaks=0;; *) leaks=1;; esac; \
+	    ASAN_OPTIONS=detect_leaks=$$leaks $$f -max_total_time=$(FUZZ_SECONDS) -timeout=60 -rss_limit_mb=2048 \
 	        -print_final_stats=1 -artifact_prefix=$$corpus/ $$corpus \
 	        $$(for s in $$seeds $(O)/seeds/$$name; do [ -d $$s ] && echo $$s; done) \
 	        $$(d=tests/fuzz/$$name.dict; [ -f $$d ] && echo -dict=$$d) \
-	        $$(case " $(FUZZ_LEAKY) " in *" $$name "*) echo -detect_leaks=0;; esac) \
 	        2>$$corpus.log \
 	        || { tail -40 $$corpus.log; exit 1; }; \
 	    grep -E 'stat::number_of_executed_units|stat::new_units' $$corpus.log; \

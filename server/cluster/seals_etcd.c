@@ -100,7 +100,8 @@ static bool is_value(const struct pel_etcd_kv *kv, GBytes *value)
 {
     gsize size;
     const void *data = value ? g_bytes_get_data(value, &size) : NULL;
-    return kv && data && kv->size == size && memcmp(kv->value, data, size) == 0;
+    return kv && data && size > 0 && kv->size == size &&
+           memcmp(kv->value, data, size) == 0;
 }
 
 static void answered(void *user, const struct pel_etcd_answer *answer)
