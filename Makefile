@@ -129,8 +129,9 @@ CONTINENTS_READER := $(call room,server/continents/reader)
 WEATHER_READER := $(call room,server/weather/reader) server/seabed/reader/gdal.c \
     server/seabed/reader/hdf5.c
 DAEMON := server/main.c server/service.c
-# What makes a part of the server while it is built.
-MAKER := server/clearair.c
+# What makes tables of the server while it is built, and which (pel_NAME).
+MAKER := server/tables.c
+MADE := clear_air foam_grain
 OPTIONS := $(filter-out $(DAEMON) $(MAKER),$(call room,server))
 CLIENT := $(call room,clients/lib)
 CTL := $(call room,clients/pelagosctl)
@@ -173,7 +174,7 @@ GEN := $(O)/gen/pelagos.pb-c.c $(O)/gen/fields.c $(O)/gen/shaders.c \
     $(O)/gen/pages.c
 GEN_HEADERS := $(O)/gen/pelagos.pb-c.h
 obj = $(patsubst %.c,$(OBJ)/%.o,$(1))
-SERVER_OBJ := $(call obj,$(SERVER)) $(patsubst $(O)/%.c,$(OBJ)/%.o,$(GEN)) $(OBJ)/gen/clearair.o
+SERVER_OBJ := $(call obj,$(SERVER)) $(patsubst $(O)/%.c,$(OBJ)/%.o,$(GEN)) $(MADE:%=$(OBJ)/gen/%.o)
 CLIENT_OBJ := $(call obj,$(CLIENT))
 CTL_OBJ := $(call obj,$(CTL))
 CTL_MAIN := $(OBJ)/clients/pelagosctl/pelagosctl.o
@@ -242,19 +243,19 @@ $(O)/bin/pelagos-panorama: $(call obj,$(PANORAMA_READER)) $(OBJ)/libserver.a
 $(O)/bin/pelagosctl: $(CTL_MAIN) $(OBJ)/libctl.a $(OBJ)/libpelagos.a $(OBJ)/libserver.a
 	$(LINK) $(PKG_LIBS) $(CTL_LIBS)
 
-# A table that takes seconds of a core to make, as it is in memory.
-$(OBJ)/liboptics.a: $(call obj,$(OPTICS) $(BASE))
+# Tables that take a core long to make, as they are in memory.
+$(OBJ)/libtables.a: $(call obj,$(OPTICS) $(BASE) server/ocean/foamgrain.c)
 	$(Q)rm -f $@ && ar rcs $@ $^
 
-$(OBJ)/clearair: $(call obj,$(MAKER)) $(OBJ)/liboptics.a
+$(OBJ)/tables: $(call obj,$(MAKER)) $(OBJ)/libtables.a
 	$(Q)$(CC) $(OPT) $(CFLAGS) $(LDFLAGS) -o $@ $^ -lm
 
-$(OBJ)/gen/clearair.o: $(OBJ)/clearair
+$(MADE:%=$(OBJ)/gen/%.o): $(OBJ)/gen/%.o: $(OBJ)/tables
 	@echo "  GEN   $@"
-	$(Q)mkdir -p $(@D) && $< $(@:.o=.bin)
-	$(Q)printf '%s\n' '.section .rodata' '.globl pel_clear_air' '.balign 64' \
-	    '.type pel_clear_air, @object' 'pel_clear_air: .incbin "$(@:.o=.bin)"' \
-	    '.size pel_clear_air, . - pel_clear_air' \
+	$(Q)mkdir -p $(@D) && $< $* $(@:.o=.bin)
+	$(Q)printf '%s\n' '.section .rodata' '.globl pel_$*' '.balign 64' \
+	    '.type pel_$*, @object' 'pel_$*: .incbin "$(@:.o=.bin)"' \
+	    '.size pel_$*, . - pel_$*' \
 	    '.section .note.GNU-stack, "", @progbits' | $(CC) -c -x assembler -o $@ -
 
 $(OBJ)/libserver.a: $(SERVER_OBJ)

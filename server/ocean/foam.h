@@ -19,6 +19,8 @@
  * Twin of shaders/lib/foam.glsl. Immutable once built; any thread. */
 #pragma once
 
+#include <stdbool.h>
+
 #include "base/err.h"
 #include "ocean/filter.h"
 #include "ocean/sea.h"
@@ -109,5 +111,9 @@ struct pel_vec2 pel_foam_trochoids(const struct pel_sea *sea,
                                    double time_s);
 
 /* Structure of foam: a tile of PEL_FOAM_GRAIN² numbers, normal with mean 0 and
- * variance 1, low where foam lasts longest; and their squares. */
-void pel_foam_grain(float (*out)[2]);
+ * variance 1, low where foam lasts longest. Made while the program is built
+ * (server/tables.c), since it takes 0.1 s of a core. */
+extern const float pel_foam_grain[PEL_FOAM_GRAIN * PEL_FOAM_GRAIN];
+
+/* The same, made anew; false without memory. */
+PEL_CHECK bool pel_foam_grain_make(float *out);

@@ -120,7 +120,7 @@ static double quantile(double p)
     return p < 0.5 ? -x : x;
 }
 
-void pel_foam_grain(float (*out)[2])
+bool pel_foam_grain_make(float *out)
 {
     struct ranked *order = malloc(sizeof *order * SIDE * SIDE);
     struct lattice *lattices = malloc(sizeof *lattices * LATTICES);
@@ -128,22 +128,17 @@ void pel_foam_grain(float (*out)[2])
     for (int i = 0; i < LATTICES && whole; i++) {
         fill_lattice(i, &lattices[i]);
     }
-    for (int i = 0; i < SIDE * SIDE; i++) {
-        out[i][0] = 0;
-        out[i][1] = 1;
-        if (whole) {
-            double u = (i % SIDE + 0.5) / SIDE, v = (i / SIDE + 0.5) / SIDE;
-            order[i] = (struct ranked){ raw(lattices, u, v), i };
+    for (int i = 0; i < SIDE * SIDE && whole; i++) {
+        double u = (i % SIDE + 0.5) / SIDE, v = (i / SIDE + 0.5) / SIDE;
+        order[i] = (struct ranked){ raw(lattices, u, v), i };
+    }
+    if (whole) {
+        qsort(order, SIDE * SIDE, sizeof *order, by_value);
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            out[order[i].at] = (float)quantile((i + 0.5) / (SIDE * SIDE));
         }
     }
     free(lattices);
-    if (whole) { /* else foam without structure */
-        qsort(order, SIDE * SIDE, sizeof *order, by_value);
-        for (int i = 0; i < SIDE * SIDE; i++) {
-            double n = quantile((i + 0.5) / (SIDE * SIDE));
-            out[order[i].at][0] = (float)n;
-            out[order[i].at][1] = (float)(n * n);
-        }
-    }
     free(order);
+    return whole;
 }

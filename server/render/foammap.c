@@ -41,7 +41,10 @@ static void load_level(GLuint texture, int level, int n,
 static void make_grain(struct pel_foam_map *map)
 {
     float(*texels)[2] = pel_sure_malloc(sizeof *texels * GRAIN * GRAIN);
-    pel_foam_grain(texels);
+    for (int i = 0; i < GRAIN * GRAIN; i++) {
+        texels[i][0] = pel_foam_grain[i];
+        texels[i][1] = pel_foam_grain[i] * pel_foam_grain[i];
+    }
     glCreateTextures(GL_TEXTURE_2D, 1, &map->grain);
     glTextureStorage2D(map->grain, GRAIN_LEVELS, GL_RG32F, GRAIN, GRAIN);
     glTextureParameteri(map->grain, GL_TEXTURE_WRAP_S, GL_REPEAT);

@@ -10,6 +10,7 @@
 #include "optics/brdf.h"
 #include "optics/facets.h"
 #include "optics/linear.h"
+#include "optics/waterkept.h"
 #include "render/shader.h"
 #include "render/uniforms.h"
 
@@ -130,7 +131,7 @@ enum pel_err pel_water_light_init(struct pel_water_light *w,
         "water_sky.comp", "water_map.comp"
     };
     memset(w, 0, sizeof *w);
-    w->build = pel_water_kernel_build;
+    w->build = pel_water_kernel_take;
     for (int i = 0; i < PEL_WATER_PROGRAMS; i++) {
         enum pel_err err = pel_program_create(shader_dir, files[i], NULL, NULL,
                                               &w->programs[i], fault);

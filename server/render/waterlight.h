@@ -50,7 +50,7 @@ struct pel_water_light {
                                  each light's beam, of 1 above it */
     uint64_t version; /* counts changes of the kernel; 0: there is none yet */
     bool failed;      /* the last try for a new one found no memory */
-    /* pel_water_kernel_build, or what a test puts in its place. */
+    /* pel_water_kernel_take, or what a test puts in its place. */
     enum pel_err (*build)(const struct pel_water_body *body,
                           const struct pel_water_depths *depths,
                           enum pel_water_orders orders,
