@@ -23,7 +23,7 @@ PARTS = [
                           "docs/page.md", "docs/models.md", "docs/lights.md",
                           "docs/datasets.md",
                           "docs/reliability.md", "docs/log.md",
-                          "docs/benchmarks.md"]),
+                          "docs/benchmarks.md", "docs/planning.md"]),
     ("Interfaces", "proto", ["proto/manual.md", "http.md", "proto/live.md",
                              "programs.md", "clients/python/README.md",
                              "python.md",
