@@ -23,7 +23,8 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     libjpeg62-turbo-dev libturbojpeg0-dev libspng-dev libopenexr-dev libsystemd-dev \
     libgstreamer1.0-dev libgstreamer-plugins-base1.0-dev \
     gstreamer1.0-plugins-base gstreamer1.0-plugins-good \
-    gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly \
+    gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-nice \
+    libgstreamer-plugins-bad1.0-dev \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev \
     libcurl4-openssl-dev libnova-dev libssl-dev libgdal-dev libhdf5-dev libnetcdf-dev libassimp-dev
 # What `make site` is made by.
@@ -38,7 +39,7 @@ TEST_PACKAGES := gmt-gshhg-low gstreamer1.0-tools glib-networking gdal-bin gpsd-
     python3-wheel openexr chromium \
     slurm-wlm munge nginx-light haproxy openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
-    tshark python3-yaml iproute2 nftables etcd-server etcd-client $(SITE_PACKAGES) $(DEB_PACKAGES) \
+    tshark python3-yaml iproute2 nftables etcd-server etcd-client python3-gi gir1.2-gst-plugins-bad-1.0 $(SITE_PACKAGES) $(DEB_PACKAGES) \
     python3-nbclient python3-ipykernel python3-matplotlib \
     colcon python3-colcon-ros python3-ament-package python3-genmsg python3-nav-msgs \
     python3-rosgraph-msgs python3-sensor-msgs python3-tf2-msgs
@@ -61,7 +62,8 @@ EMBEDDED := uplot.js=uplot/dist/uPlot.iife.min.js uplot.css=uplot/dist/uPlot.min
 PKGS := glib-2.0 gio-unix-2.0 epoxy libmicrohttpd \
     libprotobuf-c libmodbus libjpeg libturbojpeg spng OpenEXR libsystemd openssl libcurl \
     gstreamer-1.0 gstreamer-app-1.0 gstreamer-video-1.0 \
-    gstreamer-rtsp-server-1.0 gstreamer-rtsp-1.0
+    gstreamer-rtsp-server-1.0 gstreamer-rtsp-1.0 \
+    gstreamer-webrtc-1.0 gstreamer-sdp-1.0
 
 # --- flags ----------------------------------------------------------------
 CC := gcc

@@ -20,7 +20,7 @@ needs=$(for deb in "$work"/debs/*.deb; do
     sed 's/^systemd$/systemd-standalone-sysusers/' |
     grep -vx '' | sort -u | paste -sd,)
 mmdebstrap --mode=root --variant=minbase --quiet \
-    --include="$needs,gstreamer1.0-plugins-bad,gstreamer1.0-plugins-ugly" \
+    --include="$needs,gstreamer1.0-plugins-bad,gstreamer1.0-plugins-ugly,gstreamer1.0-nice" \
     --dpkgopt='path-exclude=/usr/share/man/*' \
     --dpkgopt='path-exclude=/usr/share/locale/*' \
     --dpkgopt='path-exclude=/usr/share/doc/*' \

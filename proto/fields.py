@@ -259,7 +259,8 @@ def routes():
 def route_table():
     return table(["method and path", "body", "answer"],
                  [[f"`{method} /{path}`",
-                   "merge patch" if body == "merge" else
+                   {"merge": "merge patch", "sdp": "SDP"}[body]
+                   if body in ("merge", "sdp") else
                    f"[{body}](#{body.lower()})" if body else "", text]
                   for method, path, _, _, _, body, _, text in routes()])
 

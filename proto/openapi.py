@@ -113,6 +113,15 @@ ANSWERS = {
 }
 
 
+SDP = "application/sdp"
+
+
+def edits(method, path):
+    """Whether it changes the state."""
+    return (method in ("PATCH", "PUT", "DELETE") and
+            not path.startswith("v1/whep"))
+
+
 # Forms that an answer may be asked for in, beside JSON.
 FILES = {"Series": ("text/csv", "application/netcdf"),
          "Spectrum": ("text/plain", "application/netcdf", "application/x-tar")}
@@ -269,6 +278,12 @@ class Document:
         """The answer of success by its status."""
         if kind == "nothing":
             return {"204": {"description": "it is gone"}}
+        if kind == "sdp":
+            return {"201": {
+                "description": "an answer, with every candidate",
+                "content": {SDP: {}}, "headers": {"Location": {
+                    "description": "the session, which DELETE ends",
+                    "schema": TEXT}}}}
         if kind == "live":
             return {"101": {"description": "a WebSocket, see proto/live.md"}}
         if kind == "openapi":
@@ -310,7 +325,7 @@ class Document:
         codes |= {"409"} if path.strip("/") in (
             "v1/exercise", "v1/exercise.csv", "v1/recording",
             "v1/debrief") else set()
-        if method in ("PATCH", "PUT", "DELETE"):
+        if edits(method, path):
             codes |= {"409", "412"}
         if answer == "live":
             codes |= {"403", "426", "429"}
@@ -329,6 +344,8 @@ class Document:
         if kind == "merge":
             schema = refer(self.message("State", patch=True))
             types = ("application/merge-patch+json", "application/json")
+        elif kind == "sdp":
+            return {"required": True, "content": {SDP: {}}}
         else:
             schema = refer(self.message(kind))
             types = ("application/json",)
@@ -345,7 +362,7 @@ class Document:
         parameters = [self.parameter(name, TEXT, "", "path")
                       for name in PARTS.findall(path)]
         parameters += self.query(query, question)
-        if method in ("PATCH", "PUT", "DELETE"):
+        if edits(method, path):
             parameters.append(refer("IfMatch", "parameters"))
         if answer in ("page", "schema", "openapi"):
             parameters.append(refer("IfNoneMatch", "parameters"))

@@ -58,7 +58,7 @@ struct daemon {
     struct pel_service *service;
     char http_host[64], tcp_host[64],
         rtsp_host[64]; /* the net keeps pointers */
-    char **http_hosts, **origins, **proxies;
+    char **http_hosts, **origins, **proxies, **relays;
     bool stopping;
 };
 
@@ -253,6 +253,15 @@ static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
         d->proxies = g_strsplit(d->options.trust_proxy, ",", 16);
         options.http_proxies = (const char *const *)d->proxies;
     }
+    if (*d->options.whep_ports) {
+        (void)pel_options_split_ports(d->options.whep_ports,
+                                      &options.whep_port_min,
+                                      &options.whep_port_max);
+    }
+    if (*d->options.whep_servers) {
+        d->relays = g_strsplit(d->options.whep_servers, ",", 16);
+        options.whep_servers = (const char *const *)d->relays;
+    }
     return pel_net_create(&options, d->scene, d->frames, &d->net, fault);
 }
 
@@ -436,6 +445,7 @@ static bool finish(struct daemon *d)
         g_strfreev(d->http_hosts);
         g_strfreev(d->origins);
         g_strfreev(d->proxies);
+        g_strfreev(d->relays);
         g_main_loop_unref(d->loop);
     }
     return joined;

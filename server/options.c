@@ -130,6 +130,20 @@ bool pel_options_split_address(const char *text, char host[64], uint16_t *port)
     return inet_pton(bracketed ? AF_INET6 : AF_INET, host, binary) == 1;
 }
 
+bool pel_options_split_ports(const char *text, uint16_t *first, uint16_t *last)
+{
+    g_auto(GStrv) words = g_strsplit(text, "-", 3);
+    guint64 low, high;
+    if (g_strv_length(words) != 2 ||
+        !g_ascii_string_to_unsigned(words[0], 10, 1, 65535, &low, NULL) ||
+        !g_ascii_string_to_unsigned(words[1], 10, low, 65535, &high, NULL)) {
+        return false;
+    }
+    *first = (uint16_t)low;
+    *last = (uint16_t)high;
+    return true;
+}
+
 static enum pel_err set_text(const struct pel_option *option, const char *value,
                              const char *where, struct pel_options *options,
                              struct pel_fault *fault)
@@ -528,6 +542,41 @@ static bool sends_to(const char *list, const char *address)
     return false;
 }
 
+static bool is_relay(const char *url)
+{
+    const char *const kinds[] = { "stun://", "turn://", "turns://" };
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        if (g_str_has_prefix(url, kinds[i]) && url[strlen(kinds[i])]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static enum pel_err check_whep(const struct pel_options *options,
+                               struct pel_fault *fault)
+{
+    uint16_t first, last;
+    if (*options->whep_ports &&
+        !pel_options_split_ports(options->whep_ports, &first, &last)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "--whep-ports: '%.60s' is not FIRST-LAST, ports "
+                             "within 1 .. 65535, as 50000-50063",
+                             options->whep_ports);
+    }
+    g_auto(GStrv) urls = g_strsplit(options->whep_servers, ",", 16);
+    for (size_t i = 0; urls[i]; i++) {
+        if (!is_relay(urls[i])) {
+            return pel_fault_set(fault, PEL_ERR_INVALID,
+                                 "--whep-servers: '%.60s' is neither "
+                                 "stun://HOST:PORT nor "
+                                 "turn://USER:PASSWORD@HOST:PORT",
+                                 urls[i]);
+        }
+    }
+    return PEL_OK;
+}
+
 enum pel_err pel_options_check(const struct pel_options *options,
                                struct pel_fault *fault)
 {
@@ -542,6 +591,9 @@ enum pel_err pel_options_check(const struct pel_options *options,
         { "nmea-tcp", options->nmea_tcp, options->nmea_allow, "nmea" },
         { "cigi", options->cigi, options->cigi_allow, "cigi" },
     };
+    if (check_whep(options, fault) != PEL_OK) {
+        return fault->code;
+    }
     if (!is_device(options->device)) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "--device: '%.60s' is neither all, auto, software "

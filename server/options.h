@@ -27,6 +27,7 @@ struct pel_options {
     char unix_path[PEL_OPTION_TEXT];
     char http_hosts[PEL_OPTION_TEXT], allow_origin[PEL_OPTION_TEXT];
     char trust_proxy[PEL_OPTION_TEXT];
+    char whep_ports[PEL_OPTION_TEXT], whep_servers[PEL_OPTION_TEXT];
     char rtsp[PEL_OPTION_TEXT];
     char token_file[PEL_OPTION_TEXT];
     char tls_cert[PEL_OPTION_TEXT], tls_key[PEL_OPTION_TEXT];
@@ -141,6 +142,9 @@ void pel_options_log_changes(const struct pel_options *from,
 
 /* Splits ADDRESS:PORT (localhost becomes 127.0.0.1); false: not one. */
 bool pel_options_split_address(const char *text, char host[64], uint16_t *port);
+
+/* Splits FIRST-LAST, 1 .. 65535, in order; false: not that. */
+bool pel_options_split_ports(const char *text, uint16_t *first, uint16_t *last);
 
 /* Made from the table (options_print.c). */
 void pel_options_print_help(FILE *to);

@@ -35,6 +35,15 @@ const struct pel_option pel_option_table[] = {
     { "rtsp", "network", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
       "127.0.0.1:8554", .offset = FIELD(rtsp),
       .help = "Where RTSP is served: rtsp://ADDRESS:PORT/VIEW, in H.264." },
+    { "whep-ports", "network", PEL_OPTION_TEXT_KIND, "FIRST-LAST", "",
+      .offset = FIELD(whep_ports),
+      .help = "UDP ports that WebRTC's media leave from, one a session (a "
+              "firewall wants to know them); absent: any free one." },
+    { "whep-servers", "network", PEL_OPTION_TEXT_KIND, "URLS", "",
+      .offset = FIELD(whep_servers),
+      .help = "Servers of STUN and TURN for WebRTC, separated by commas: "
+              "stun://HOST:PORT, turn://USER:PASSWORD@HOST:PORT. Absent: none, "
+              "media go from the addresses of --http." },
     { "http-hosts", "network", PEL_OPTION_TEXT_KIND, "NAMES", "",
       .offset = FIELD(http_hosts),
       .help = "Names, separated by commas, that a proxy may give as Host." },

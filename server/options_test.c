@@ -97,6 +97,10 @@ static void bad_values_say_what_is_legal(void **state)
         { "--nmea", "192.168.1.5:10110", "--nmea-allow" },
         { "--nmea-tcp", "192.168.1.5:10110", "--nmea-allow" },
         { "--cigi", "192.168.1.5:8000", "--cigi-allow" },
+        { "--whep-ports", "50063-50000", "1 .. 65535" },
+        { "--whep-ports", "0-9", "1 .. 65535" },
+        { "--whep-ports", "50000", "FIRST-LAST" },
+        { "--whep-servers", "http://here", "stun://" },
         { "--state", "", "off" },
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {

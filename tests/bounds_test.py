@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Every limit that a client can reach (proto/bounds.def) is reached, and its
 counter rises. SOAK=1 waits for the long ones and takes the large ones too."""
+import concurrent.futures
 import contextlib
 import os
 import socket
@@ -16,6 +17,7 @@ from ais_test import sentences
 from live_client import Closed, Live
 from pelagos_daemon import (ROOT, Daemon, Session, free_port, receive_all,
                             schema, until, varint)
+from whep_offer import OFFER
 
 sys.path.insert(0, os.path.join(ROOT, "proto"))
 import deffile
@@ -416,6 +418,28 @@ class Places(Case):
                             "the Unix socket has its own")
 
 
+class Whep(Case):
+    """Peers that never connect."""
+
+    def ask(self):
+        return self.daemon.request("POST", "/v1/views/bridge/whep", OFFER,
+                                   {"Content-Type": "application/sdp"}).status
+
+    def test_WHEP_SESSIONS(self):
+        with self.rises("WHEP_SESSIONS") as most:
+            with concurrent.futures.ThreadPoolExecutor(most + 8) as pool:
+                answers = [a.result() for a in [
+                    pool.submit(self.ask) for _ in range(most + 8)]]
+            self.assertEqual(set(answers), {201, 503})
+            self.assertGreaterEqual(answers.count(201), most)
+
+    def test_WHEP_IDLE_S(self):
+        with self.rises("WHEP_IDLE_S"):
+            self.assertEqual(self.ask(), 201)
+            until("it is over", lambda: self.daemon.metrics()[
+                "pelagos_whep_sessions"] == 0)
+
+
 class Rtsp(Case):
     port = None
 
@@ -589,7 +613,7 @@ class Bridges(Case):
 
 class Table(unittest.TestCase):
     def test_every_row_has_a_test(self):
-        tests = {name[5:] for case in (Requests, Work, Places, Rtsp, Times,
+        tests = {name[5:] for case in (Requests, Work, Places, Whep, Rtsp, Times,
                                        Bridges) for name in dir(case)
                  if name.startswith("test_")}
         self.assertEqual(set(ROWS) - tests, set())

@@ -15,6 +15,7 @@ import jsonschema
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from pelagos_daemon import ROOT, SLOW_S, Daemon, Response, until
+from whep_offer import OFFER
 
 VALIDATOR = os.path.join(ROOT, "build/npm/node_modules/@seriousme/"
                          "openapi-schema-validator/bin/validate-api-cli.js")
@@ -244,6 +245,9 @@ class OpenApi(unittest.TestCase):
         ("PUT", "/v1/views/three", {"entity": 1, "width": 64}, 201),
         ("PUT", "/v1/views/three", {"entity": 1, "yaw": 9}, 200),
         ("PUT", "/v1/views/three", {"yaw": 1e9}, 400),
+        ("POST", "/v1/views/bridge/whep", "v=0", 400),
+        ("POST", "/v1/views/bridge/whep", OFFER, 201),
+        ("DELETE", "/v1/whep/none", None, 404),
         ("DELETE", "/v1/views/three", None, 204),
         ("DELETE", "/v1/views/three", None, 404),
         ("POST", "/v1/surface", {"points": [[0, 5], {"east": 1, "north": 2}],
@@ -286,14 +290,18 @@ class OpenApi(unittest.TestCase):
             path = (url if url in self.document["paths"] else
                     "/v1/exercises/{exercise}" if "exercises" in url else
                     "/v1/presets/{preset}" if "presets" in url else
+                    "/v1/views/{view}/whep" if url.endswith("/whep") else
+                    "/v1/whep/{session}" if "/whep/" in url else
                     "/v1/views/{view}")
             operation = self.document["paths"][path][method.lower()]
-            answer = self.daemon.request(method, url, body)
+            sdp = isinstance(body, str)
+            answer = self.daemon.request(method, url, body, {
+                "Content-Type": "application/sdp"} if sdp else None)
             where = f"{method} {url} {body}"
             self.assertEqual(answer.status, status, (where, answer))
             self.check_answer(operation, answer, where)
             called.add((method, path))
-            if body is None or status in (404, 409):
+            if body is None or sdp or status in (404, 409):
                 continue
             schema = operation["requestBody"]["content"]["application/json"][
                 "schema"]

@@ -142,7 +142,7 @@ enum MHD_Result pel_http_send_fault(struct client *client, int status,
 /* --- the surface, light ----------------------------------------------------
  */
 
-static struct waiter *wait_begin(struct client *client)
+struct waiter *pel_http_wait_begin(struct client *client)
 {
     struct waiter *waiter = g_new0(struct waiter, 1);
     waiter->client = client;
@@ -152,7 +152,7 @@ static struct waiter *wait_begin(struct client *client)
 }
 
 /* Whose waiter this was; NULL: gone. */
-static struct client *wait_end(struct waiter *waiter)
+struct client *pel_http_wait_end(struct waiter *waiter)
 {
     struct client *client = waiter->client;
     g_free(waiter);
@@ -175,7 +175,7 @@ static enum MHD_Result wait_on(struct client *client, struct waiter *waiter,
 {
     if (err != PEL_OK) {
         int status = status_of(waiter, err);
-        wait_end(waiter);
+        pel_http_wait_end(waiter);
         return pel_http_send_fault(client, status, fault);
     }
     if (client->waiting) {
@@ -200,7 +200,7 @@ static void wait_answer(struct waiter *waiter, enum pel_err err,
                         const ProtobufCMessage *answer)
 {
     int status = status_of(waiter, err);
-    struct client *client = wait_end(waiter);
+    struct client *client = pel_http_wait_end(waiter);
     if (!client) {
         return;
     }
@@ -229,7 +229,7 @@ enum MHD_Result pel_http_send_surface(struct client *client,
                                       struct pel_http_answer *answer)
 {
     struct pel_fault fault;
-    struct waiter *waiter = wait_begin(client);
+    struct waiter *waiter = pel_http_wait_begin(client);
     enum pel_err err =
         pel_command_surface(client->server->frames, answer->surface, NULL,
                             on_surface, waiter, &fault);
@@ -248,7 +248,7 @@ enum MHD_Result pel_http_send_optics(struct client *client,
                                      struct pel_http_answer *answer)
 {
     struct pel_fault fault;
-    struct waiter *waiter = wait_begin(client);
+    struct waiter *waiter = pel_http_wait_begin(client);
     enum pel_err err = pel_command_optics(
         client->server->frames, answer->optics, on_optics, waiter, &fault);
     pel_http_answer_finish(answer);
@@ -279,7 +279,7 @@ static void on_spectrum(void *user, enum pel_err err,
                         const Pelagos__Spectrum *answer)
 {
     if (err == PEL_OK && answer->n_files > 0) {
-        struct client *client = wait_end(user);
+        struct client *client = pel_http_wait_end(user);
         if (client) {
             send_files(client, answer);
             pel_http_resume(client);
@@ -293,7 +293,7 @@ enum MHD_Result pel_http_send_spectrum(struct client *client,
                                        struct pel_http_answer *answer)
 {
     struct pel_fault fault;
-    struct waiter *waiter = wait_begin(client);
+    struct waiter *waiter = pel_http_wait_begin(client);
     waiter->not_found = 400; /* a record that the question names */
     enum pel_err err =
         pel_command_spectrum(client->server->context.scene, answer->spectrum,
@@ -313,7 +313,7 @@ enum MHD_Result pel_http_send_almanac(struct client *client,
                                       struct pel_http_answer *answer)
 {
     struct pel_fault fault;
-    struct waiter *waiter = wait_begin(client);
+    struct waiter *waiter = pel_http_wait_begin(client);
     enum pel_err err =
         pel_scene_ask_almanac(client->server->context.scene, answer->almanac,
                               on_almanac, waiter, &fault);
@@ -325,7 +325,7 @@ static void on_series(void *user, enum pel_err err,
                       const struct pel_fault *fault,
                       struct pel_series_answer *answer)
 {
-    struct client *client = wait_end(user);
+    struct client *client = pel_http_wait_end(user);
     if (!client) {
         return;
     }
@@ -348,7 +348,7 @@ enum MHD_Result pel_http_send_series(struct client *client,
 {
     struct pel_fault fault;
     const struct pel_series_form form = { .reply = false };
-    struct waiter *waiter = wait_begin(client);
+    struct waiter *waiter = pel_http_wait_begin(client);
     waiter->not_found = 400; /* an axis that the question names */
     enum pel_err err =
         pel_series_ask(client->server->context.series, answer->series, &form,
@@ -368,7 +368,7 @@ enum MHD_Result pel_http_send_models(struct client *client,
                                      struct pel_http_answer *answer)
 {
     struct pel_fault fault;
-    struct waiter *waiter = wait_begin(client);
+    struct waiter *waiter = pel_http_wait_begin(client);
     enum pel_err err = pel_scene_ask_models(client->server->context.scene, NULL,
                                             on_models, waiter, &fault);
     pel_http_answer_finish(answer);
@@ -386,7 +386,7 @@ enum MHD_Result pel_http_send_recordings(struct client *client,
                                          struct pel_http_answer *answer)
 {
     struct pel_fault fault;
-    struct waiter *waiter = wait_begin(client);
+    struct waiter *waiter = pel_http_wait_begin(client);
     enum pel_err err = pel_debrief_ask_recordings(
         client->server->context.debrief, on_recordings, waiter, &fault);
     pel_http_answer_finish(answer);
@@ -397,7 +397,7 @@ enum MHD_Result pel_http_send_recordings(struct client *client,
 static void on_edit(void *user, enum pel_err err, const struct pel_fault *fault)
 {
     bool if_unchanged = ((struct waiter *)user)->if_unchanged;
-    struct client *client = wait_end(user);
+    struct client *client = pel_http_wait_end(user);
     struct pel_http_answer answer = { .kind = PEL_HTTP_WHOLE };
     if (!client) {
         return;
@@ -421,7 +421,7 @@ enum MHD_Result pel_http_send_patched(struct client *client,
         .patch = answer->patch,
         .if_unchanged = answer->if_unchanged,
     };
-    struct waiter *waiter = wait_begin(client);
+    struct waiter *waiter = pel_http_wait_begin(client);
     waiter->if_unchanged = answer->if_unchanged;
     bool waits =
         pel_scene_submit(client->server->context.scene, &wish, on_edit, waiter);
@@ -435,7 +435,7 @@ enum MHD_Result pel_http_send_patched(struct client *client,
 enum MHD_Result pel_http_send_stepped(struct client *client,
                                       struct pel_http_answer *answer)
 {
-    struct waiter *waiter = wait_begin(client);
+    struct waiter *waiter = pel_http_wait_begin(client);
     bool waits = pel_scene_submit_step(client->server->context.scene,
                                        &answer->step, on_edit, waiter);
     pel_http_answer_finish(answer);
@@ -449,7 +449,7 @@ static void on_sealed(void *user, enum pel_err err,
                       const struct pel_fault *fault)
 {
     struct pel_http_answer *answer = ((struct waiter *)user)->ready;
-    struct client *client = wait_end(user);
+    struct client *client = pel_http_wait_end(user);
     if (client && err) {
         pel_http_send_fault(client, 0, fault);
     } else if (client) {
@@ -465,12 +465,12 @@ static void on_sealed(void *user, enum pel_err err,
 enum MHD_Result pel_http_send_sealed(struct client *client,
                                      struct pel_http_answer *answer)
 {
-    struct waiter *waiter = wait_begin(client);
+    struct waiter *waiter = pel_http_wait_begin(client);
     waiter->ready = g_memdup2(answer, sizeof *answer);
     if (!pel_scene_await(client->server->context.scene, NULL, on_sealed,
                          waiter)) {
         g_free(waiter->ready);
-        wait_end(waiter);
+        pel_http_wait_end(waiter);
         return pel_http_send(client, answer);
     }
     pel_http_suspend(client);
@@ -489,7 +489,7 @@ struct pel_frames *pel_http_frames(const struct client *client)
 static void on_hls(void *user, enum pel_err err, const struct pel_fault *fault,
                    const struct pel_hls_answer *answer)
 {
-    struct client *client = wait_end(user);
+    struct client *client = pel_http_wait_end(user);
     if (!client) {
         return;
     }
@@ -510,7 +510,7 @@ static void on_hls(void *user, enum pel_err err, const struct pel_fault *fault,
 enum MHD_Result pel_http_send_hls(struct client *client,
                                   struct pel_http_answer *answer)
 {
-    struct waiter *waiter = wait_begin(client);
+    struct waiter *waiter = pel_http_wait_begin(client);
     if (answer->kind == PEL_HTTP_HLS_FILE) {
         pel_hls_file(client->server->hls, answer->file, on_hls, waiter);
     } else {
@@ -671,9 +671,10 @@ void pel_http_call_off(struct client *client)
         client->frame_id = 0;
     }
     if (client->waiter && pel_hls_forget(client->server->hls, client->waiter)) {
-        wait_end(client->waiter);
+        pel_http_wait_end(client->waiter);
     }
     if (client->waiter) {
+        pel_whep_forget(client->server->whep, client->waiter);
         client->waiter->client = NULL;
         if (client->waiter->series) {
             pel_series_cancel(client->waiter->series);

@@ -14,6 +14,7 @@
 #include "net/liveviewer.h"
 #include "net/mjpeg.h"
 #include "net/tsviewer.h"
+#include "net/whep.h"
 
 #define PEL_HTTP_STATUS_MAX 600
 
@@ -90,6 +91,7 @@ struct pel_http_server {
     struct pel_live_stats live;
     struct pel_ts_stats ts;
     struct pel_hls *hls;
+    struct pel_whep *whep;
     uint64_t answers[PEL_HTTP_STATUS_MAX];
     uint64_t accepted, refused, evicted, malformed, timeouts, vanished;
 };
@@ -104,6 +106,11 @@ struct pel_frames *pel_http_frames(const struct client *client);
 /* Lets the library look at its connections at the loop's next turn: after a
  * resume it would otherwise wait for the network. */
 void pel_http_kick(struct pel_http_server *server);
+
+/* Begins and ends what is answered later; the end gives NULL where the client
+ * is gone. */
+struct waiter *pel_http_wait_begin(struct client *client);
+struct client *pel_http_wait_end(struct waiter *waiter);
 
 /* Leaves the connection alone until pel_http_resume. */
 void pel_http_suspend(struct client *client);
@@ -160,6 +167,9 @@ enum MHD_Result pel_http_send_patched(struct client *client,
 /* A playlist or a file of one. */
 enum MHD_Result pel_http_send_hls(struct client *client,
                                   struct pel_http_answer *answer);
+/* http_whep.c: the answer to an offer, or the end of a session. */
+enum MHD_Result pel_http_send_whep(struct client *client,
+                                   struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_stream(struct client *client,
                                      struct pel_http_answer *answer);
 

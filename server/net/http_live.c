@@ -1,5 +1,6 @@
 /* GET /v1/views/NAME/live, the handshake of a WebSocket as request and answer;
- * GET /v1/views/NAME/ts, the same video for players; and in pieces, as HLS. */
+ * GET /v1/views/NAME/ts, the same video for players; and in pieces, as HLS;
+ * POST /v1/views/NAME/whep, by WebRTC. */
 #include <stdio.h>
 #include <string.h>
 
@@ -221,6 +222,18 @@ void pel_http_get_hls(const struct pel_http_call *call)
 void pel_http_get_hls_file(const struct pel_http_call *call)
 {
     call->answer->kind = PEL_HTTP_HLS_FILE;
+    snprintf(call->answer->file, sizeof call->answer->file, "%s",
+             call->target->segments[2]);
+}
+
+void pel_http_post_whep(const struct pel_http_call *call)
+{
+    get_video(call, PEL_HTTP_WHEP);
+}
+
+void pel_http_delete_whep(const struct pel_http_call *call)
+{
+    call->answer->kind = PEL_HTTP_WHEP_END;
     snprintf(call->answer->file, sizeof call->answer->file, "%s",
              call->target->segments[2]);
 }

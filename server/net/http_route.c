@@ -15,6 +15,7 @@
 #include "net/http_auth.h"
 #include "net/http_view.h"
 #include "net/pages.h"
+#include "net/whep.h"
 #include "path.h"
 #include "scene/missing.h"
 #include "scene/spectra.h"
@@ -31,6 +32,7 @@ enum route_flags {
     ROUTE_QUERY = 32,   /* takes parameters */
     ROUTE_OPEN = 64,    /* for those without the token too */
     ROUTE_COSTLY = 128, /* pages of other origins may not ask */
+    ROUTE_SDP = 256,    /* takes an offer of WebRTC */
 };
 
 struct route {
@@ -499,7 +501,8 @@ static bool pattern_matches(const struct route *route,
 /* The Allow header of a place, from a few static strings. */
 static const char *allow_of(const struct pel_http_target *target)
 {
-    bool get = false, head = false, put = false, patch = false, post = false;
+    bool get = false, head = false, put = false, patch = false, post = false,
+         del = false;
     for (size_t i = 0; i < G_N_ELEMENTS(routes); i++) {
         const struct route *route = &routes[i];
         if (pattern_matches(route, target)) {
@@ -509,6 +512,7 @@ static const char *allow_of(const struct pel_http_target *target)
             put = put || strcmp(route->method, "PUT") == 0;
             patch = patch || strcmp(route->method, "PATCH") == 0;
             post = post || strcmp(route->method, "POST") == 0;
+            del = del || strcmp(route->method, "DELETE") == 0;
         }
     }
     return put && post ? "GET, HEAD, PUT, POST, DELETE"
@@ -517,6 +521,7 @@ static const char *allow_of(const struct pel_http_target *target)
            : post      ? head ? "GET, HEAD, POST" : "POST"
            : head      ? "GET, HEAD"
            : get       ? "GET"
+           : del       ? "DELETE"
                        : NULL;
 }
 
@@ -649,6 +654,13 @@ static enum pel_err check_site(const struct pel_http_context *context,
                          origin ? origin : "another origin");
 }
 
+static bool is_sdp(const char *type)
+{
+    size_t length = strcspn(type, "; \t");
+    return length == strlen(PEL_WHEP_TYPE) &&
+           g_ascii_strncasecmp(type, PEL_WHEP_TYPE, length) == 0;
+}
+
 static enum pel_err check_body(const struct pel_http_context *context,
                                const struct pel_http_request *request,
                                const struct route *route, size_t *limit,
@@ -658,7 +670,8 @@ static enum pel_err check_body(const struct pel_http_context *context,
     const char *type = pel_http_find_header(request, "Content-Type", NULL);
     bool chunked = pel_http_find_header(request, "Transfer-Encoding", NULL);
     double announced = length ? g_ascii_strtod(length, NULL) : 0.0;
-    bool takes = route->flags & ROUTE_BODY;
+    bool sdp = route->flags & ROUTE_SDP;
+    bool takes = route->flags & ROUTE_BODY || sdp;
     *limit = !takes                       ? 0
              : route->flags & ROUTE_LARGE ? SURFACE_BODY * context->body_limit
                                           : context->body_limit;
@@ -669,8 +682,13 @@ static enum pel_err check_body(const struct pel_http_context *context,
                                    : "this request takes no body",
                              *limit);
     }
+    if (sdp && (!type || !is_sdp(type))) {
+        *status = 415;
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "Content-Type must be " PEL_WHEP_TYPE);
+    }
     bool nothing = announced == 0.0 && !chunked;
-    if (takes && !(nothing && route->flags & ROUTE_EMPTY_OK) &&
+    if (takes && !sdp && !(nothing && route->flags & ROUTE_EMPTY_OK) &&
         (!type || !pel_http_type_is_json(type))) {
         *status = 415;
         return pel_fault_set(fault, PEL_ERR_INVALID,

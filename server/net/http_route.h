@@ -45,15 +45,17 @@ enum pel_http_kind {
     PEL_HTTP_TS,       /* stream `view` in `profile` */
     PEL_HTTP_HLS,      /* the playlist of `view` in `profile`, as `hls` says */
     PEL_HTTP_HLS_FILE, /* `file`, which a playlist names */
-    PEL_HTTP_LIVE,     /* a WebSocket: 101, then `live` */
-    PEL_HTTP_SURFACE,  /* carry out `surface`, answer with JSON */
-    PEL_HTTP_OPTICS,   /* carry out `optics`, answer with JSON */
-    PEL_HTTP_SPECTRUM, /* carry out `spectrum`, answer with JSON */
-    PEL_HTTP_ALMANAC,  /* carry out `almanac`, answer with JSON */
-    PEL_HTTP_MODELS,   /* list the models, answer with JSON */
-    PEL_HTTP_SERIES,   /* carry out `series`, answer with its file */
-    PEL_HTTP_PATCH,    /* commit `patch`, answer with the state */
-    PEL_HTTP_STEP,     /* carry out `step`, answer with the state */
+    PEL_HTTP_WHEP, /* offer the body for `view` in `profile`, answer with SDP */
+    PEL_HTTP_WHEP_END,   /* end the session `file` */
+    PEL_HTTP_LIVE,       /* a WebSocket: 101, then `live` */
+    PEL_HTTP_SURFACE,    /* carry out `surface`, answer with JSON */
+    PEL_HTTP_OPTICS,     /* carry out `optics`, answer with JSON */
+    PEL_HTTP_SPECTRUM,   /* carry out `spectrum`, answer with JSON */
+    PEL_HTTP_ALMANAC,    /* carry out `almanac`, answer with JSON */
+    PEL_HTTP_MODELS,     /* list the models, answer with JSON */
+    PEL_HTTP_SERIES,     /* carry out `series`, answer with its file */
+    PEL_HTTP_PATCH,      /* commit `patch`, answer with the state */
+    PEL_HTTP_STEP,       /* carry out `step`, answer with the state */
     PEL_HTTP_RECORDINGS, /* list the recordings, answer with JSON */
 };
 
@@ -85,7 +87,7 @@ struct pel_http_answer {
     char view[PEL_NAME_SIZE];
     double fps; /* at most; 0: every frame */
     int quality;
-    struct pel_profile profile; /* of LIVE, TS and HLS */
+    struct pel_profile profile; /* of LIVE, TS, HLS and WHEP */
     struct pel_hls_wish hls;    /* of HLS: its msn and part */
     char file[48];
     unsigned credit;      /* of LIVE: pictures not acknowledged */

@@ -202,6 +202,9 @@ static enum MHD_Result take_request(struct client *client, const char *method)
     case PEL_HTTP_HLS:
     case PEL_HTTP_HLS_FILE:
         return pel_http_send_hls(client, &answer);
+    case PEL_HTTP_WHEP:
+    case PEL_HTTP_WHEP_END:
+        return pel_http_send_whep(client, &answer);
     case PEL_HTTP_LIVE:
         return pel_http_send_live(client, &answer);
     case PEL_HTTP_WHOLE:
@@ -522,6 +525,7 @@ static struct MHD_Daemon *start_library(struct pel_http_server *server)
 
 enum pel_err pel_http_server_create(const struct pel_net_limits *limits,
                                     const struct pel_http_context *context,
+                                    const struct pel_whep_places *whep,
                                     struct pel_frames *frames,
                                     struct pel_http_server **out,
                                     struct pel_fault *fault)
@@ -551,6 +555,7 @@ enum pel_err pel_http_server_create(const struct pel_net_limits *limits,
     g_source_attach(&server->source->source, NULL);
     server->sweeper = g_timeout_add(SWEEP_MS, sweep, server);
     server->hls = pel_hls_create(frames);
+    server->whep = pel_whep_create(frames, whep);
     *out = server;
     return PEL_OK;
 }
@@ -571,6 +576,7 @@ void pel_http_server_destroy(struct pel_http_server *server)
     MHD_run(server->daemon);
     MHD_stop_daemon(server->daemon);
     pel_hls_destroy(server->hls);
+    pel_whep_destroy(server->whep);
     g_ptr_array_free(server->clients, TRUE);
     g_free(server);
 }
@@ -645,4 +651,5 @@ void pel_http_server_collect(const struct pel_http_server *server,
     counter(page, "pelagos_ts_starved_total", "Times that one fell behind.",
             NULL, server->ts.starved);
     pel_hls_collect(server->hls, page);
+    pel_whep_collect(server->whep, page);
 }

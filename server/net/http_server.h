@@ -10,16 +10,16 @@
 #include "base/metrics.h"
 #include "net/http_route.h"
 #include "net/net.h"
+#include "net/wheppeer.h"
 
 struct pel_http_server;
 
-/* INTERNAL if the library refuses. The context is copied, what it points to is
- * borrowed. */
-PEL_CHECK enum pel_err
-pel_http_server_create(const struct pel_net_limits *limits,
-                       const struct pel_http_context *context,
-                       struct pel_frames *frames, struct pel_http_server **out,
-                       struct pel_fault *fault);
+/* INTERNAL if the library refuses. The context and `whep` are copied, what they
+ * point to is borrowed. */
+PEL_CHECK enum pel_err pel_http_server_create(
+    const struct pel_net_limits *limits, const struct pel_http_context *context,
+    const struct pel_whep_places *whep, struct pel_frames *frames,
+    struct pel_http_server **out, struct pel_fault *fault);
 void pel_http_server_destroy(struct pel_http_server *server);
 
 /* Takes over a non-blocking socket, or returns false when a limit is reached;

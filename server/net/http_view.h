@@ -46,6 +46,8 @@ void pel_http_get_live(const struct pel_http_call *call);
 void pel_http_get_ts(const struct pel_http_call *call);
 void pel_http_get_hls(const struct pel_http_call *call);
 void pel_http_get_hls_file(const struct pel_http_call *call);
+void pel_http_post_whep(const struct pel_http_call *call);
+void pel_http_delete_whep(const struct pel_http_call *call);
 
 /* Sets a scalar of a message by a parameter of its name: NOT_FOUND, INVALID. */
 PEL_CHECK enum pel_err pel_http_number(ProtobufCMessage *message,

@@ -260,6 +260,11 @@ static void log_addresses(const struct pel_net *net)
     }
 }
 
+static bool is_any(const char *address)
+{
+    return strcmp(address, "0.0.0.0") == 0 || strcmp(address, "::") == 0;
+}
+
 enum pel_err pel_net_create(const struct pel_net_options *options,
                             struct pel_scene *scene, struct pel_frames *frames,
                             struct pel_net **out, struct pel_fault *fault)
@@ -290,7 +295,14 @@ enum pel_err pel_net_create(const struct pel_net_options *options,
             .token = net->token,
             .body_limit = options->limits.http_body_bytes,
         };
-        err = pel_http_server_create(&options->limits, &context, frames,
+        const struct pel_whep_places whep = {
+            .address =
+                is_any(options->http_address) ? NULL : options->http_address,
+            .port_min = options->whep_port_min,
+            .port_max = options->whep_port_max,
+            .servers = options->whep_servers,
+        };
+        err = pel_http_server_create(&options->limits, &context, &whep, frames,
                                      &net->http, fault);
     }
     if (err == PEL_OK) {

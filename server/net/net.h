@@ -64,6 +64,10 @@ struct pel_net_options {
     const char *const *http_origins;
     /* Numeric addresses whose X-Forwarded-For is believed; NULL: none. */
     const char *const *http_proxies;
+    /* Of WebRTC: UDP ports (0: any), servers of STUN and TURN as in
+     * wheppeer.h; NULL: none. Media come from http_address. */
+    uint16_t whep_port_min, whep_port_max;
+    const char *const *whep_servers;
     struct pel_exercises *exercises; /* NULL: none */
     struct pel_cluster *cluster;     /* NULL: none */
     struct pel_metrics *metrics; /* shown at /metrics; joined by the net's */

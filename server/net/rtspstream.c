@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/watch.h"
+#include "net/gstframe.h"
 
 #define MAX_QUEUED 8 /* pictures that wait in a client's appsrc */
 #define KEY_NS 2000000000LL
@@ -71,38 +72,6 @@ static void on_control(struct pel_rtsp_stream *stream, GSourceFunc call,
 
 /* --- on the control thread ----------------------------------------------- */
 
-/* The frame's stamp in the pipeline's running time. RTP's sender reports tie
- * that to the wall's clock, the same for every view: players can align them.
- * NONE where the pipeline does not run yet. */
-static GstClockTime running_time(GstAppSrc *source,
-                                 const struct pel_frame *frame)
-{
-    GstClockTime time = GST_CLOCK_TIME_NONE;
-    GstClock *clock = gst_element_get_clock(GST_ELEMENT(source));
-    if (clock) {
-        GstClockTime base = gst_element_get_base_time(GST_ELEMENT(source));
-        int64_t age_ns = pel_now_ns() - frame->requested_ns;
-        GstClockTimeDiff at =
-            GST_CLOCK_DIFF(base, gst_clock_get_time(clock)) - age_ns;
-        time = at >= 0 ? (GstClockTime)at : GST_CLOCK_TIME_NONE;
-        gst_object_unref(clock);
-    }
-    return time;
-}
-
-/* The encoder's bytes themselves; the buffer holds the frame. */
-static GstBuffer *wrap(struct pel_frame *frame, GstClockTime time)
-{
-    GstBuffer *buffer = gst_buffer_new_wrapped_full(
-        GST_MEMORY_FLAG_READONLY, (gpointer)frame->data, frame->size, 0,
-        frame->size, pel_frame_ref(frame), (GDestroyNotify)pel_frame_unref);
-    GST_BUFFER_PTS(buffer) = time;
-    if (!frame->key) {
-        GST_BUFFER_FLAG_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT);
-    }
-    return buffer;
-}
-
 static void on_frame(void *user, enum pel_err err,
                      const struct pel_fault *fault, struct pel_frame *frame)
 {
@@ -122,7 +91,7 @@ static void on_frame(void *user, enum pel_err err,
         return;
     }
     /* Begun before the pipeline: RTP could not say when. */
-    GstClockTime time = running_time(self->source, frame);
+    GstClockTime time = pel_gst_running_time(self->source, frame);
     if (!GST_CLOCK_TIME_IS_VALID(time)) {
         pel_frames_resync(self->subscription, true);
         return;
@@ -133,7 +102,7 @@ static void on_frame(void *user, enum pel_err err,
     }
     self->hub->sent++;
     self->hub->bytes += frame->size;
-    gst_app_src_push_buffer(self->source, wrap(frame, time));
+    gst_app_src_push_buffer(self->source, pel_gst_wrap(frame, time));
 }
 
 static gboolean open_stream(gpointer user)

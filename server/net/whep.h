@@ -1,0 +1,58 @@
+/* Views by WebRTC for browsers and players, asked for by WHEP (the draft that
+ * follows RFC 9725): one offer, one answer with every candidate, media in H.264
+ * from the encoder that the other viewers of the view share. A thread of its
+ * own, which the first offer starts, names terms with one peer after the other
+ * and ends them. A view is drawn for a peer from when it is connected. Control
+ * thread. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "base/metrics.h"
+#include "bounds.h"
+#include "frames/frames.h"
+#include "net/wheppeer.h"
+
+#define PEL_WHEP_TYPE "application/sdp"
+#define PEL_WHEP_PLACE "/v1/whep/"
+#define PEL_WHEP_ID 33 /* bytes of a session's name, with its end */
+
+struct pel_whep;
+
+/* `places` is copied, what it points to is borrowed. */
+struct pel_whep *pel_whep_create(struct pel_frames *frames,
+                                 const struct pel_whep_places *places);
+/* Ends every session and waits for it. NULL allowed. */
+void pel_whep_destroy(struct pel_whep *whep);
+
+struct pel_whep_wish {
+    const char *view;
+    struct pel_profile profile; /* H.264 */
+    const char *offer;          /* SDP */
+    size_t offer_size;
+};
+
+/* Called once, later; answer and id NULL with an error. */
+typedef void (*pel_whep_done)(void *user, enum pel_err err,
+                              const struct pel_fault *fault, const char *answer,
+                              const char *id);
+
+/* Errors as pel_whep_offer_read, and then `done` is not called; later also
+ * those of pel_whep_peer_open. BUSY: PEL_BOUND_WHEP_SESSIONS are connected or
+ * have asked just now; else the one that has not connected for longest makes
+ * room. */
+PEL_CHECK enum pel_err pel_whep_ask(struct pel_whep *whep,
+                                    const struct pel_whep_wish *wish,
+                                    pel_whep_done done, void *user,
+                                    struct pel_fault *fault);
+
+/* Nobody waits any more for the answer that was asked with this user: it is
+ * not called, the session ends. */
+void pel_whep_forget(struct pel_whep *whep, const void *user);
+
+/* False: there is no such session. */
+bool pel_whep_end(struct pel_whep *whep, const char *id);
+
+void pel_whep_collect(const struct pel_whep *whep,
+                      struct pel_metrics_page *page);

@@ -1,0 +1,89 @@
+"""A WHEP player by GStreamer's webrtcbin, without the page: what it decodes, as
+grey pictures. Needs python3-gst."""
+import threading
+
+import gi
+
+gi.require_version("Gst", "1.0")
+gi.require_version("GstSdp", "1.0")
+gi.require_version("GstWebRTC", "1.0")
+from gi.repository import Gst, GstSdp, GstWebRTC
+
+Gst.init(None)
+CAPS = ("application/x-rtp,media=video,encoding-name=H264,payload=97,"
+        "clock-rate=90000,packetization-mode=(string)1,"
+        "profile-level-id=(string)42e01f")
+DECODE = ("queue ! rtph264depay ! h264parse ! openh264dec ! videoconvert ! "
+          "video/x-raw,format=GRAY8 ! appsink name=out max-buffers=4 "
+          "drop=true sync=false")
+
+
+class Player:
+    """Makes an offer; `answered(sdp)` connects; frames() takes pictures."""
+
+    def __init__(self):
+        self.pipeline = Gst.Pipeline()
+        self.web = Gst.ElementFactory.make("webrtcbin")
+        self.web.set_property("bundle-policy", "max-bundle")
+        self.pipeline.add(self.web)
+        # Loopback, which ICE leaves out where it is not told so.
+        self.ice = self.web.get_property("ice-agent")
+        self.ice.emit("add-local-ip-address", "127.0.0.1")
+        self.agent = self.ice.get_property("agent")
+        self.agent.set_property("upnp", False)
+        self.out = self.last = None
+        self.ready = threading.Event()
+        self.web.connect("pad-added", self.add_pad)
+        self.web.emit("add-transceiver",
+                      GstWebRTC.WebRTCRTPTransceiverDirection.RECVONLY,
+                      Gst.Caps.from_string(CAPS))
+        self.pipeline.set_state(Gst.State.PLAYING)
+
+    def wait(self, signal, *values):
+        promise = Gst.Promise.new()
+        self.web.emit(signal, *values, promise)
+        promise.wait()
+        self.promise = promise  # what it holds is borrowed
+        return promise.get_reply()
+
+    def offer(self):
+        reply = self.wait("create-offer", None)
+        made = reply.get_value("offer")
+        text = made.sdp.as_text()
+        _, sdp = GstSdp.SDPMessage.new_from_text(text)
+        self.wait("set-local-description",
+                  GstWebRTC.WebRTCSessionDescription.new(
+                      GstWebRTC.WebRTCSDPType.OFFER, sdp))
+        return text
+
+    def answered(self, text):
+        _, sdp = GstSdp.SDPMessage.new_from_text(text)
+        self.wait("set-remote-description",
+                  GstWebRTC.WebRTCSessionDescription.new(
+                      GstWebRTC.WebRTCSDPType.ANSWER, sdp))
+
+    def add_pad(self, _, pad):
+        if pad.get_direction() != Gst.PadDirection.SRC:
+            return
+        decode = Gst.parse_bin_from_description(DECODE, True)
+        self.out = decode.get_by_name("out")
+        self.pipeline.add(decode)
+        decode.sync_state_with_parent()
+        pad.link(decode.get_static_pad("sink"))
+        self.ready.set()
+
+    def frame(self, seconds=60):
+        """(width, height, bytes of rows), or None."""
+        if not self.ready.wait(seconds):
+            return None
+        sample = self.out.emit("try-pull-sample", int(seconds * Gst.SECOND))
+        if not sample:
+            return None
+        form = sample.get_caps().get_structure(0)
+        buffer = sample.get_buffer()
+        self.last = (form.get_value("width"), form.get_value("height"),
+                     buffer.extract_dup(0, buffer.get_size()))
+        return self.last
+
+    def close(self):
+        self.pipeline.set_state(Gst.State.NULL)

@@ -1,0 +1,300 @@
+#!/usr/bin/python3
+"""Views by WebRTC: GStreamer's webrtcbin as a player asks by WHEP, and strangers
+who offer nonsense."""
+import concurrent.futures
+import contextlib
+import io
+import os
+import socket
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from pelagos_daemon import Daemon, until
+from whep_offer import OFFER
+
+try:
+    from PIL import Image
+    from whep_client import Player
+except (ImportError, ValueError) as error:
+    print(f"no GStreamer for Python to play with: {error}")
+    sys.exit(77)
+
+VIEW = "/v1/views/bridge/whep"
+TYPE = {"Content-Type": "application/sdp"}
+SIZE = (320, 180)
+# Of 255, the mean over the picture's points of how far grey is from that of the
+# PNG: 8 Mbit/s leave 0.4, the same sea 3 s later is 6 away.
+GREY = 1.5
+
+
+class Case(unittest.TestCase):
+    options = ()
+
+    @classmethod
+    def setUpClass(cls):
+        cls.daemon = Daemon("--quality", "full", *cls.options)
+        cls.daemon.patch({
+            "sea": {"windSpeed": 12}, "views": [
+                {"name": "bridge", "entity": 1, "width": SIZE[0],
+                 "height": SIZE[1]}]})
+
+    @classmethod
+    def tearDownClass(cls):
+        status = cls.daemon.stop()
+        assert status == 0, f"the daemon ended with {status}"
+
+    def ask(self, offer, path=VIEW, headers=None):
+        return self.daemon.request("POST", path, offer, headers or TYPE)
+
+    def play(self, path=VIEW):
+        player = Player()
+        self.addCleanup(player.close)
+        answer = self.ask(player.offer(), path)
+        self.assertEqual(answer.status, 201, answer)
+        self.assertEqual(answer.headers["Content-Type"], "application/sdp")
+        player.answered(answer.body.decode())
+        return player, answer.headers["Location"]
+
+    def metric(self, name):
+        return self.daemon.metrics()[f"pelagos_whep_{name}"]
+
+
+def difference(frame, png):
+    width, height, grey = frame
+    image = Image.open(io.BytesIO(png)).convert("L").resize((width, height))
+    stride = len(grey) // height
+    return sum(abs((grey[y * stride + x] - 16) * 255 / 219 -
+                   image.getpixel((x, y)))
+               for y in range(height) for x in range(width)) / width / height
+
+
+class Players(Case):
+    def test_pictures(self):
+        """Those that the view has, one after the other, until DELETE."""
+        player, place = self.play(VIEW + "?bitrate=8000")
+        for _ in range(5):
+            frame = player.frame()
+            self.assertEqual(frame[:2], SIZE)
+        self.daemon.patch({"clock": {"mode": "STEPPED"}})
+        self.addCleanup(self.daemon.patch, {"clock": {"mode": "FREE"}})
+        png = self.daemon.get("/v1/views/bridge/frame.png").body
+        found = []
+
+        def alike():
+            seen = player.frame(1)
+            found.append(difference(seen, png) if seen else 255)
+            return found[-1] < GREY
+        self.daemon.request("POST", "/v1/clock/step", {"seconds": 0.001})
+        until("the picture of now", lambda: alike() or self.daemon.request(
+            "POST", "/v1/clock/step", {"seconds": 0.001}) and False)
+        self.daemon.request("POST", "/v1/clock/step", {"seconds": 3})
+        other = self.daemon.get("/v1/views/bridge/frame.png").body
+        print(f"grey: {found[-1]:.2f} from the PNG's (bar {GREY}); a PNG 3 s "
+              f"later: {difference(player.last, other):.2f}")
+        self.assertEqual(
+            self.daemon.request("DELETE", place).status, 204)
+        self.assertEqual(
+            self.daemon.request("DELETE", place).status, 404)
+        until("it is over", lambda: self.metric("sessions") == 0)
+
+    def test_one_encoder(self):
+        """Two peers of a profile and an MPEG-TS reader share it; another
+        profile is another."""
+        one, first = self.play()
+        two, second = self.play()
+        self.assertEqual(one.frame()[:2], SIZE)
+        self.assertEqual(two.frame()[:2], SIZE)
+        with self.daemon.connect_http() as reader:
+            reader.sendall(b"GET /v1/views/bridge/ts HTTP/1.1\r\n"
+                           b"Host: localhost\r\n\r\n")
+            reader.recv(1000)
+            self.assertEqual(self.pixels(), 320 * 180)
+            before = self.daemon.metrics()
+            for _ in range(20):
+                one.frame()
+                two.frame()
+            after = self.daemon.metrics()
+            sent, encoded = (after[n] - before[n] for n in (
+                "pelagos_whep_frames_sent_total", "pelagos_video_frames_total"))
+            # Each picture that was encoded went to both.
+            self.assertGreater(sent, 1.8 * encoded)
+        small, third = self.play(VIEW + "?width=160&height=90")
+        self.assertEqual(small.frame()[:2], (160, 90))
+        self.assertEqual(self.pixels(), 320 * 180 + 160 * 90)
+        for place in (first, second, third):
+            self.assertEqual(self.daemon.request("DELETE", place).status, 204)
+        until("no encoder is left", lambda: self.pixels() == 0)
+
+    def pixels(self):
+        return self.daemon.metrics()["pelagos_frames_live_pixels"]
+
+    def test_a_view_that_goes(self):
+        self.daemon.request("PUT", "/v1/views/short", {
+            "entity": 1, "width": 64, "height": 64})
+        player, place = self.play("/v1/views/short/whep")
+        self.assertEqual(player.frame()[:2], (64, 64))
+        self.daemon.request("DELETE", "/v1/views/short")
+        until("it is over", lambda: self.metric("sessions") == 0)
+        self.assertEqual(self.daemon.request("DELETE", place).status, 404)
+
+    def test_a_peer_that_leaves_without_a_word(self):
+        player, _ = self.play()
+        self.assertEqual(player.frame()[:2], SIZE)
+        player.close()
+        until("it is missed", lambda: self.metric("sessions") == 0)
+
+
+class Strangers(Case):
+    def refused(self, offer, code, path, status=400):
+        answer = self.ask(offer)
+        self.assertEqual(answer.status, status, answer)
+        problem = answer.json()
+        self.assertEqual(problem["code"], code, problem)
+        self.assertEqual(problem.get("path", ""), path, problem)
+        return problem
+
+    def test_nonsense(self):
+        for offer in (b"", b"v=0", b"hello", b"\0" * 900, b"v=0\r\n" * 9000,
+                      b"v=0\r\nm=video\r\n", b"v=0\nm=video 9 X 1\n" * 99,
+                      OFFER.encode()[:200] + b"\xff\xfe=\r\n",
+                      b"v=0\r\n" + b"m=audio 9 RTP/AVP 0\r\n" * 17):
+            answer = self.ask(offer)
+            self.assertEqual(answer.status, 400, (offer[:40], answer))
+            self.assertIn(answer.json()["code"], ("MALFORMED", "INVALID"))
+        self.assertEqual(self.metric("sessions"), 0)
+        self.assertGreater(
+            self.daemon.metrics()['pelagos_malformed_total{input="whep"}'], 8)
+
+    def test_what_is_missing_is_named(self):
+        for gone, path in (("H264", "m=video"), ("a=recvonly", "m=video"),
+                           ("a=ice-ufrag:Ab12", "a=ice-ufrag"),
+                           ("a=ice-pwd:abcdefghij", "a=ice-pwd"),
+                           ("a=fingerprint:sha-256 AB", "a=fingerprint")):
+            put = "a=sendonly" if gone == "a=recvonly" else "a=other:"
+            said = self.refused(OFFER.replace(gone, put), "INVALID", path)
+            self.assertGreater(len(said["detail"]), 30)
+        self.refused(OFFER.replace("packetization-mode=1", "x=1"), "INVALID",
+                     "m=video")
+
+    def test_huge(self):
+        self.assertEqual(self.ask(OFFER + "a=x\r\n" * 20000).status, 413)
+        self.assertEqual(self.ask(OFFER, headers={
+            "Content-Type": "application/json"}).status, 415)
+        self.assertEqual(self.ask(OFFER, "/v1/views/none/whep").status, 404)
+        said = self.ask(OFFER, VIEW + "?width=5").json()
+        self.assertEqual((said["path"], said["minimum"]), ("width", 16))
+
+    def test_lines_that_are_not_wanted(self):
+        """Audio and data are refused, in their places; nothing of a stranger's
+        line comes back but what a line may be."""
+        more = OFFER.replace(
+            "m=video", "m=audio 9 UDP/TLS/RTP/SAVPF 111\r\na=mid:a\r\nm=video"
+        ) + "m=application 9 UDP/DTLS/SCTP webrtc-datachannel\r\na=mid:d\r\n"
+        answer = self.ask(more)
+        self.assertEqual(answer.status, 201, answer)
+        lines = answer.body.decode().split("\r\n")
+        media = [line for line in lines if line.startswith("m=")]
+        self.assertEqual([m.split()[0] for m in media],
+                         ["m=audio", "m=video", "m=application"])
+        self.assertEqual([m.split()[1] == "0" for m in media],
+                         [True, False, True])
+        # The profile most like the encoder's, as it was offered.
+        self.assertEqual(media[1].split()[3:], ["106"])
+        self.assertTrue(any("profile-level-id=42e01f" in n for n in lines))
+        # Nothing but the address that the daemon listens on.
+        candidates = [n.split()[4] for n in lines
+                      if n.startswith("a=candidate")]
+        self.assertEqual(set(candidates), {"127.0.0.1"})
+        self.daemon.request("DELETE", answer.headers["Location"])
+
+    def test_many_who_never_connect(self):
+        """Nothing is drawn for them; a true one gets in all the same."""
+        before = self.daemon.metrics()["pelagos_frames_drawn_total"]
+        with concurrent.futures.ThreadPoolExecutor(16) as pool:
+            answers = list(pool.map(lambda _: self.ask(OFFER), range(64)))
+        self.assertLessEqual({a.status for a in answers}, {201, 503})
+        self.assertEqual(self.metric("connected"), 0)
+        self.assertEqual(self.daemon.metrics()["pelagos_frames_drawn_total"],
+                         before)
+        self.assertEqual(
+            self.daemon.metrics()["pelagos_frames_live_pixels"], 0)
+        places = {a.headers["Location"] for a in answers if a.status == 201}
+        self.assertEqual(len(places),
+                         sum(a.status == 201 for a in answers))
+        until("a true one", lambda: self.ask(OFFER).status == 201)
+        until("they are over", lambda: self.metric("sessions") == 0)
+
+    def test_who_leaves_before_the_answer(self):
+        head = (f"POST {VIEW} HTTP/1.1\r\nHost: localhost\r\nContent-Type: "
+                f"application/sdp\r\nContent-Length: {len(OFFER)}\r\n\r\n")
+        for _ in range(8):
+            with self.daemon.connect_http() as s:
+                s.sendall((head + OFFER).encode())
+        until("they are withdrawn", lambda: self.metric("sessions") == 0)
+
+    def test_sessions_of_others(self):
+        answer = self.ask(OFFER)
+        place = answer.headers["Location"]
+        for guess in ("0" * 32, place[10:-1], "..", "x" * 200):
+            self.assertEqual(self.daemon.request(
+                "DELETE", "/v1/whep/" + guess).status, 404, guess)
+        self.assertEqual(self.metric("sessions"), 1)
+        self.assertEqual(self.daemon.get(place).status, 405)
+        self.assertEqual(self.daemon.request("DELETE", place).status, 204)
+
+    def test_control_does_not_wait(self):
+        with concurrent.futures.ThreadPoolExecutor(8) as pool:
+            for answer in pool.map(lambda _: self.ask(OFFER), range(8)):
+                self.daemon.request("DELETE",
+                                    answer.headers.get("Location", "/v1/x"))
+        until("they are over", lambda: self.metric("sessions") == 0)
+        metrics = self.daemon.metrics()
+        self.assertGreater(
+            metrics['pelagos_control_work_total{what="whep"}'], 8)
+        print("control thread: WHEP held it longest for {:.2f} ms".format(1e3 *
+              metrics['pelagos_control_stall_longest_seconds{what="whep"}']))
+
+
+class Ports(Case):
+    @classmethod
+    def setUpClass(cls):
+        with contextlib.closing(socket.socket(type=socket.SOCK_DGRAM)) as s:
+            s.bind(("127.0.0.1", 0))
+            cls.port = s.getsockname()[1]
+        cls.options = ("--whep-ports", f"{cls.port}-{cls.port}")
+        super().setUpClass()
+
+    def test_range(self):
+        answer = self.ask(OFFER)
+        self.assertEqual(answer.status, 201, answer)
+        self.assertIn(f" 127.0.0.1 {self.port} typ host",
+                      answer.body.decode())
+        late = self.ask(OFFER)  # there is one port
+        self.assertEqual(late.status, 503, late)
+        self.assertIn("--whep-ports", late.json()["detail"])
+
+
+class Tokens(unittest.TestCase):
+    def test_token(self):
+        with tempfile.NamedTemporaryFile("w") as file:
+            file.write("watch-token-0123456789 watch desk\n")
+            file.flush()
+            daemon = Daemon("--token-file", file.name)
+        self.addCleanup(daemon.stop)
+        view = "/v1/views/main/whep"
+        self.assertEqual(daemon.request("POST", view, OFFER, TYPE).status, 401)
+        self.assertEqual(daemon.request("DELETE", "/v1/whep/1").status, 401)
+        given = dict(TYPE, Authorization="Bearer watch-token-0123456789")
+        answer = daemon.request("POST", view, OFFER, given)
+        self.assertIn(answer.status, (201, 404))
+        self.assertEqual(daemon.request("DELETE", "/v1/whep/1", None,
+                                        given).status, 404)
+        foreign = dict(given, Origin="http://elsewhere.example")
+        self.assertEqual(
+            daemon.request("POST", view, OFFER, foreign).status, 403)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
