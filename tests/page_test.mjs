@@ -83,6 +83,7 @@ describe("pictures", () => {
   test("fall back to Motion-JPEG and say why", async () => {
     await open(daemon.url, { init: () => {
       delete window.VideoDecoder;
+      delete window.RTCPeerConnection;
     } });
     assert.equal(await page.locator(".tile").getAttribute("data-way"),
       "mjpeg");
@@ -95,6 +96,7 @@ describe("pictures", () => {
 
   test("fall back to HLS where live streams do not come through", async () => {
     await open(daemon.url, { init: () => {
+      delete window.RTCPeerConnection;
       const Plain = window.WebSocket;
       window.WebSocket = class extends Plain {
         constructor(url, ...more) {
@@ -275,11 +277,9 @@ describe("instruments", () => {
 describe("inputs", () => {
   beforeEach(fresh);
 
-  for (const way of ["webcodecs", "mjpeg"]) {
+  for (const way of ["webcodecs", "whep", "mjpeg"]) {
     test(`that are silent are named (${way})`, async () => {
-      await open(daemon.url, { init: way === "mjpeg" && (() => {
-        delete window.VideoDecoder;
-      }) });
+      await open(`${daemon.url}/?way=${way}`);
       const note = page.locator(".stale-note");
       assert.equal(await note.isVisible(), false);
       assert.equal(await page.locator("#silent").isVisible(), false);
@@ -506,6 +506,7 @@ describe("a server that asks", () => {
   test("gets it from the address, which then has it no more", async () => {
     await open(`${asking.url}/#token=${TOKEN}`, { init: () => {
       delete window.VideoDecoder;
+      delete window.RTCPeerConnection;
     } });
     assert.ok(!page.url().includes(TOKEN));
     assert.equal(await page.locator(".tile").getAttribute("data-way"),

@@ -3,9 +3,9 @@
 // many. A second or two late, and without the frames' numbers.
 
 import { headers } from "/api.js";
+import { Played } from "/played.js";
 
 const RETRY_MS = 2000;
-const RATE_WINDOW_MS = 3000;
 const TYPE = "application/vnd.apple.mpegurl";
 
 let library = null;
@@ -21,53 +21,16 @@ function load() {
   return library;
 }
 
-export class Broadcast {
-  // `told` as in stream.js, with the time of the picture's stamp alone.
+export class Broadcast extends Played {
   constructor(name, canvas, told, place = "/v1") {
+    super(canvas, told);
     this.url = `${place}/views/${encodeURIComponent(name)}/hls.m3u8`;
-    this.told = told;
-    this.stamps = [];
-    this.missed = 0;
-    this.wanted = false;
-    this.video = document.createElement("video");
-    this.video.className = "picture";
-    this.video.muted = true;
-    this.video.playsInline = true;
-    this.video.disablePictureInPicture = true;
-    this.video.setAttribute("aria-label", canvas.getAttribute("aria-label"));
-    this.video.hidden = true;
-    canvas.after(this.video);
-  }
-
-  get running() {
-    return this.wanted;
-  }
-
-  get rate() {
-    const now = performance.now();
-    this.stamps = this.stamps.filter((t) => now - t < RATE_WINDOW_MS);
-    const span = now - (this.stamps[0] ?? now);
-    return span > 200 ? (this.stamps.length - 1) * 1000 / span : 0;
   }
 
   // From the picture's stamp, by the server's clock and ours.
   get latencyMs() {
     const at = this.hls?.playingDate;
     return at ? Math.max(Date.now() - at.getTime(), 0) : undefined;
-  }
-
-  start() {
-    if (!this.wanted) {
-      this.wanted = true;
-      this.open();
-    }
-  }
-
-  stop() {
-    this.wanted = false;
-    clearTimeout(this.retry);
-    this.close();
-    this.stamps = [];
   }
 
   close() {
@@ -115,16 +78,6 @@ export class Broadcast {
     if (this.wanted) {
       this.retry = setTimeout(() => this.open(), RETRY_MS);
     }
-  }
-
-  watch() {
-    this.video.requestVideoFrameCallback?.(() => {
-      if (this.wanted) {
-        this.stamps.push(performance.now());
-        this.told({ stale: false, host: 0 });
-        this.watch();
-      }
-    });
   }
 }
 

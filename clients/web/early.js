@@ -2,7 +2,7 @@
 // the state is asked for, and by it the pictures of its views.
 
 import { inTurn, perform, subprotocols } from "/api.js";
-import { wanted } from "/link.js";
+import { link, wanted } from "/link.js";
 
 export const MOST_VIDEOS = 16;
 const KEPT = 16; // pictures of a view that nobody has taken up yet
@@ -54,7 +54,8 @@ export function connect(name, place) {
 }
 
 function begin(state) {
-  if (typeof VideoDecoder === "undefined" || document.hidden) {
+  if (typeof VideoDecoder === "undefined" || document.hidden ||
+      (link.way ?? "webcodecs") !== "webcodecs") {
     return;
   }
   for (const { name } of wanted(state.views ?? []).slice(0, MOST_VIDEOS)) {

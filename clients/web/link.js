@@ -4,6 +4,7 @@
 
 const LAYOUTS = ["heading", "order", "wall"];
 const THEMES = ["dark", "light"];
+const WAYS = ["webcodecs", "whep", "mjpeg", "hls"]; // as in player.js
 
 const list = (text) => text === null ? null
   : text.split(",").map((name) => name.trim()).filter(Boolean);
@@ -21,6 +22,7 @@ export function read(search) {
     panel: flag(given.get("panel")),
     plan: flag(given.get("plan")),
     theme: among(THEMES, given.get("theme")),
+    way: among(WAYS, given.get("way")),
   };
 }
 

@@ -1,12 +1,16 @@
 // One view's pictures, the best way that browser and server agree on: H.264 by
-// WebCodecs; or Motion-JPEG; or, where live streams do not come through (an edge,
-// no place left), HTTP Live Streaming. And the reason why it is not the first.
+// WebCodecs; or by WebRTC, which plain http permits; or Motion-JPEG; or, where
+// live streams do not come through (an edge, no place left), HTTP Live Streaming,
+// which is a second late. And the reason why it is not the first.
 
 import { Broadcast, playsBroadcast } from "/broadcast.js";
+import { link } from "/link.js";
+import { Peer, playsPeer } from "/peer.js";
 import { Live } from "/stream.js";
 import { noVideo, Video } from "/video.js";
 
-const TITLES = { webcodecs: "H.264", mjpeg: "Motion-JPEG", hls: "HLS" };
+const TITLES = { webcodecs: "H.264", whep: "WebRTC", mjpeg: "Motion-JPEG",
+  hls: "HLS" };
 
 export class Player {
   // `told` as in stream.js; `changed()` when the way has changed.
@@ -15,26 +19,39 @@ export class Player {
     this.canvas = canvas;
     this.image = image;
     this.changed = changed;
-    this.why = noVideo;
+    this.why = link.way ? `the address says way=${link.way}` : noVideo;
+    const live = place === "/v1";
     const next = (way) => (why) => this.fall(way, why);
+    const second = playsPeer && live ? "whep" : "mjpeg";
     this.ways = {
       webcodecs: noVideo ? null
-        : new Video(name, canvas, told, next("mjpeg"), place),
+        : new Video(name, canvas, told, (why) =>
+          this.fall(/encoder|codec/.test(why) ? "mjpeg" : second, why), place),
       mjpeg: new Live(name, image, told,
-        playsBroadcast && place === "/v1" ? next("hls") : null, place),
+        playsBroadcast && live ? next("hls") : null, place),
     };
-    this.broadcast = () => new Broadcast(name, canvas, told, place);
-    this.way = noVideo ? "mjpeg" : "webcodecs";
+    // Made when they are wanted: each has an element of the page.
+    this.makers = {
+      whep: () => new Peer(name, canvas, told, (why) =>
+        this.fall("mjpeg", `${this.why}; WebRTC: ${why}`), place),
+      hls: () => new Broadcast(name, canvas, told, place),
+    };
+    this.take(live && link.way && (link.way !== "whep" || playsPeer) &&
+      (link.way !== "webcodecs" || !noVideo) ? link.way
+      : noVideo ? second : "webcodecs");
+  }
+
+  take(way) {
+    this.ways[way] ??= this.makers[way]();
+    this.way = way;
     this.arrange();
   }
 
   // The way that was taken does not work here.
   fall(way, why) {
     this.current.stop();
-    this.ways[way] ??= this.broadcast();
-    this.way = way;
     this.why = why;
-    this.arrange();
+    this.take(way);
     this.current.start();
     this.changed();
   }
@@ -48,10 +65,16 @@ export class Player {
   }
 
   arrange() {
-    this.canvas.hidden = this.way !== "webcodecs";
-    this.image.hidden = this.way !== "mjpeg";
-    if (this.ways.hls) {
-      this.ways.hls.video.hidden = this.way !== "hls";
+    this.show(this.way);
+  }
+
+  show(way) {
+    this.canvas.hidden = way !== "webcodecs";
+    this.image.hidden = way !== "mjpeg";
+    for (const played of ["whep", "hls"]) {
+      if (this.ways[played]) {
+        this.ways[played].video.hidden = way !== played;
+      }
     }
   }
 
@@ -83,10 +106,7 @@ export class Player {
 
   // A single picture, for views beyond the number of streams.
   once() {
-    if (this.way === "webcodecs") {
-      this.canvas.hidden = true;
-      this.image.hidden = false;
-    }
+    this.show("mjpeg");
     return this.ways.mjpeg.once();
   }
 }

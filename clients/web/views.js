@@ -10,8 +10,10 @@ import { Player } from "/player.js";
 import { Pose, Track } from "/pose.js";
 
 // A browser opens six HTTP connections to one host: four for streams, one for
-// single pictures in turn, one for everything else. WebSockets do not count.
-const STREAMS = { mjpeg: 4, webcodecs: MOST_VIDEOS, hls: 4 };
+// single pictures in turn, one for everything else. WebSockets and
+// WebRTC do not count.
+const STREAMS = { mjpeg: 4, webcodecs: MOST_VIDEOS, whep: MOST_VIDEOS,
+  hls: 4 };
 const TURN_MS = 150;
 const PHONE_PX = 992;
 const GAP_PX = 14;
@@ -154,13 +156,16 @@ class Tile {
     }
   }
 
-  // Of the picture that is shown. One that is marked says so itself, where
-  // the instruments do not hide it.
+  // Of the picture that is shown, or of the state where pictures come without
+  // saying so. One that is marked says so itself, where the instruments do not
+  // hide it.
   showStale() {
     const { state } = this.grid.store;
-    this.stale.hidden = !this.frame?.stale ||
+    const silent = silentInputs(state);
+    const stale = this.frame && (this.frame.stale ?? silent !== "");
+    this.stale.hidden = !stale ||
       (Boolean(state.sources?.mark) && !this.grid.instruments);
-    this.stale.textContent = `Silent: ${silentInputs(state) || "an input"}`;
+    this.stale.textContent = `Silent: ${silent || "an input"}`;
   }
 
   refresh() {
@@ -385,7 +390,7 @@ export class Views {
 
   arrange() {
     const up = this.up && !document.hidden;
-    const streams = { mjpeg: 0, webcodecs: 0, hls: 0 };
+    const streams = { mjpeg: 0, webcodecs: 0, whep: 0, hls: 0 };
     const full = [...this.tiles.values()].find((tile) => tile.isFull);
     for (const tile of this.tiles.values()) {
       const way = tile.live.way;

@@ -392,7 +392,7 @@ char *pel_whep_offer_write(const struct pel_whep_offer *offer, bool candidates)
 /* The line of the pictures, with the profile that was offered: GStreamer leaves
  * it out, and browsers would take that for another one. */
 static void append_media(GString *out, const struct pel_whep_offer *offer,
-                         const char *media)
+                         const char *media, const uint32_t *epoch)
 {
     char **lines = g_strsplit(media, "\r\n", -1);
     for (int i = 0; lines[i]; i++) {
@@ -403,11 +403,15 @@ static void append_media(GString *out, const struct pel_whep_offer *offer,
         }
     }
     g_strfreev(lines);
+    if (epoch) {
+        g_string_append_printf(
+            out, "a=ts-refclk:private\r\na=mediaclk:direct=%u\r\n", *epoch);
+    }
     g_string_append(out, "a=end-of-candidates\r\n");
 }
 
 char *pel_whep_answer_write(const struct pel_whep_offer *offer,
-                            const char *answer)
+                            const char *answer, const uint32_t *epoch)
 {
     const char *media = strstr(answer, "m=video");
     if (!media) {
@@ -417,7 +421,7 @@ char *pel_whep_answer_write(const struct pel_whep_offer *offer,
     for (size_t i = 0; i < offer->line_count; i++) {
         const struct pel_whep_line *line = &offer->lines[i];
         if (i == offer->video) {
-            append_media(out, offer, media);
+            append_media(out, offer, media, epoch);
             continue;
         }
         g_string_append_printf(out, "m=%s 0 %s %s\r\nc=IN IP4 0.0.0.0\r\n",

@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "base/err.h"
 
@@ -45,6 +46,7 @@ PEL_CHECK enum pel_err pel_whep_offer_read(const char *text, size_t size,
 char *pel_whep_offer_write(const struct pel_whep_offer *offer, bool candidates);
 
 /* The answer to the whole offer from one to that line alone: each other line
- * is refused; g_free(). NULL: that answer has no video. */
+ * is refused; g_free(). NULL: that answer has no video. `epoch`: RTP's time
+ * stamp at 1970-01-01 UTC (RFC 7273); NULL: it is not known. */
 char *pel_whep_answer_write(const struct pel_whep_offer *offer,
-                            const char *answer);
+                            const char *answer, const uint32_t *epoch);

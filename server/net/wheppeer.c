@@ -24,7 +24,7 @@
     "block=false max-bytes=0 max-buffers=0 max-time=0 "                        \
     "caps=video/x-h264,stream-format=byte-stream,alignment=au ! "              \
     "rtph264pay name=pay pt=%u config-interval=-1 mtu=1200 "                   \
-    "aggregate-mode=zero-latency ! "                                           \
+    "aggregate-mode=zero-latency timestamp-offset=0 ! "                        \
     "application/x-rtp,media=video,encoding-name=H264,payload=%u,"             \
     "clock-rate=90000 ! web.sink_0 "                                           \
     "webrtcbin name=web bundle-policy=max-bundle"
@@ -273,14 +273,34 @@ static enum pel_err gather(GstElement *web, int within_ms,
     return no_port(fault);
 }
 
-static enum pel_err answer_of(GstElement *web,
+/* RTP's clock at the epoch of UTC's [1/90000 s, modulo 2^32], so that a
+ * picture's stamp can be told from its time stamp; false: the pipeline does not
+ * run yet. */
+static bool clock_of(const struct pel_whep_peer *peer, uint32_t *out)
+{
+    GstClock *clock = gst_element_get_clock(peer->pipeline);
+    if (!clock) {
+        return false;
+    }
+    int64_t running_ns = GST_CLOCK_DIFF(
+        gst_element_get_base_time(peer->pipeline), gst_clock_get_time(clock));
+    int64_t ns = pel_unix_ns() - running_ns;
+    *out = (uint32_t) - (ns / 100000 * 9 + ns % 100000 * 9 / 100000);
+    gst_object_unref(clock);
+    return true;
+}
+
+static enum pel_err answer_of(const struct pel_whep_peer *peer,
                               const struct pel_whep_offer *offer, char **answer,
                               struct pel_fault *fault)
 {
+    uint32_t epoch;
+    bool clocked = clock_of(peer, &epoch);
     GstWebRTCSessionDescription *local = NULL;
-    g_object_get(web, "local-description", &local, NULL);
+    g_object_get(peer->web, "local-description", &local, NULL);
     char *text = local ? gst_sdp_message_as_text(local->sdp) : NULL;
-    *answer = text ? pel_whep_answer_write(offer, text) : NULL;
+    *answer = text ? pel_whep_answer_write(offer, text, clocked ? &epoch : NULL)
+                   : NULL;
     g_free(text);
     if (local) {
         gst_webrtc_session_description_free(local);
@@ -312,7 +332,7 @@ static enum pel_err agree(struct pel_whep_peer *peer,
     if (err == PEL_OK) {
         err = gather(peer->web, servers ? GATHER_SERVERS_MS : GATHER_MS, fault);
     }
-    return err != PEL_OK ? err : answer_of(peer->web, offer, answer, fault);
+    return err != PEL_OK ? err : answer_of(peer, offer, answer, fault);
 }
 
 /* --- life ----------------------------------------------------------------- */
