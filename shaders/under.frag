@@ -36,14 +36,21 @@ layout(binding = PEL_UNIT_REFLECTION) uniform sampler2D reflection_map;
 #include "lib/underlight.glsl"
 #include "lib/under.glsl"
 #if defined(PEL_FOAM) || defined(PEL_WASH)
-#include "lib/foam.glsl"
 #include "lib/underfoam.glsl"
 #endif
 #include "lib/tone.glsl"
 #include "lib/outputs.glsl"
 
-layout(binding = PEL_UNIT_TRIANGLES) uniform usampler2D triangles;
 layout(binding = PEL_UNIT_UNDER_FOUND) uniform sampler2D under_found; // of under_find.frag
+layout(binding = PEL_UNIT_UNDER_NORMAL) uniform sampler2D under_normal; // of under_surface.frag
+layout(binding = PEL_UNIT_UNDER_FOAM) uniform sampler2D under_foam;     // likewise
+#if defined(PEL_FOAM) || defined(PEL_WASH)
+layout(binding = PEL_UNIT_UNDER_BACK) uniform sampler2D under_back; // likewise
+#endif
+#ifdef PEL_LAMPS_BELOW
+layout(binding = PEL_UNIT_UNDER_LAMPS) uniform sampler2D lamps_between; // of under_lamps.frag
+layout(binding = PEL_UNIT_UNDER_LAMPS_ON) uniform sampler2D lamps_on;   // likewise
+#endif
 
 shaded as_shaded(under_light l)
 {
@@ -59,57 +66,13 @@ shaded as_shaded(under_light l)
     return result;
 }
 
-// Foam that a pixel shows (lib/foam.glsl).
-vec2 surface_foam(vec2 x, filtered f, float footprint)
+// Of the surface in a pixel, as under_surface.frag has found it.
+vec3 surface_normal(ivec2 at, out vec2 variance, out vec2 foam)
 {
-    vec2 foam = vec2(0.0, 1.0);
-#ifdef PEL_AREAS
-    float up = f.up;
-#else
-    const float up = 1.0;
-#endif
-#ifdef PEL_SHORE
-    vec2 surf = f.surf;
-#else
-    const vec2 surf = vec2(0.0);
-#endif
-#ifdef PEL_FOAM
-    foam = foam_of(x, f.breaking, footprint, up, surf);
-#endif
-#ifdef PEL_WASH
-    foam = foams_together(foam, wash_foam(x, f.washed.y, footprint));
-#endif
-    return foam;
-}
-
-// Of the surface in a pixel: its mean normal, towards whose back one looks, the
-// variance of its slopes, and its foam.
-vec3 surface_normal(ivec2 at, vec3 ray, vec3 sight, float s, out vec2 variance, out vec2 foam)
-{
-    uint triangle = texelFetch(triangles, at, 0).r;
-    vec3 place = s * sight;
-    cut hit = cut_triangle(ray, triangle);
-    vec2 x = triangle == 0u ? place.xy : hit.x;
-    vec3 facet = triangle == 0u ? vec3(0.0, 0.0, 1.0) : hit.facet;
-    float facing = max(abs(dot(facet, sight)), 0.05);
-    float footprint = max(s * pixel.x * pow(facing, -PEL_FOOTPRINT_ALONG), 1e-3);
-    filtered f = filtered_sea(x, footprint);
-#ifdef PEL_WAKES
-    wake_shift wake = wake_at(place.xy - wake_at(place.xy, footprint).d.xy, footprint);
-    add_wakes(wake, f);
-#endif
-    foam = surface_foam(x, f, footprint);
-    vec3 n = filtered_normal(f);
-    variance = variance_left(footprint);
-#ifdef PEL_AREAS
-    variance = area_variance(variance, f.up);
-#endif
-#ifdef PEL_WAKES
-    variance += wake_variance(wake.lost);
-#endif
-    // A patch that the mesh shows and the waves hide is seen edge on.
-    float turned = dot(n, sight);
-    return turned < 0.02 ? normalize(n + (0.02 - turned) * sight) : n;
+    vec4 normal = texelFetch(under_normal, at, 0), rest = texelFetch(under_foam, at, 0);
+    variance = vec2(normal.w, rest.x);
+    foam = rest.yz;
+    return normal.xyz;
 }
 
 #ifdef PEL_ABOVE
@@ -125,7 +88,7 @@ vec3 under_above(ivec2 at, vec3 ray, vec3 sight)
     }
     float s = found.x, index = sqrt(refraction.g);
     vec2 variance, foam;
-    vec3 n = surface_normal(at, ray, sight, s, variance, foam);
+    vec3 n = surface_normal(at, variance, foam);
     float c = dot(n, sight);
     float k = 1.0 - refraction.g * (1.0 - c * c);
     if (k <= 0.0) {
@@ -153,40 +116,62 @@ vec3 under_above(ivec2 at, vec3 ray, vec3 sight)
 #endif
 
 #if !defined(PEL_OBJECTS) && !defined(PEL_ABOVE)
-// Whatever lies there but objects, as under_find.frag has found it.
+// Whatever lies there but objects, as under_find.frag has found it. The bottom that
+// is seen and the one that the surface mirrors are shaded by the same text, and so
+// is the water before each: software devices compile a second one for seconds.
 shaded under_scene(ivec2 at, vec3 ray, vec3 sight)
 {
     vec4 found = texelFetch(under_found, at, 0);
     float s = found.x;
     bool surface = found.y == PEL_UNDER_SURFACE, bottom = found.y == PEL_UNDER_BOTTOM;
     vec3 place = s * sight;
-    under_light beyond = UNDER_DARK;
     shaded facts = only_light(vec3(0.0));
-    if (surface) {
-        vec2 variance, foam;
-        vec3 n = surface_normal(at, ray, sight, s, variance, foam);
-        under_surface_seen seen = under_surface(sight, place, s, n, variance, found.w);
-        beyond = seen.light;
-#if defined(PEL_FOAM) || defined(PEL_WASH)
-        cover_by_foam_below(foam, place, beyond);
+#ifdef PEL_LAMPS_BELOW
+    vec3 between = texelFetch(lamps_between, at, 0).rgb, lamps = texelFetch(lamps_on, at, 0).rgb;
+#else
+    const vec3 between = vec3(0.0), lamps = vec3(0.0);
 #endif
+    under_surface_seen seen = under_surface_seen(UNDER_DARK, vec3(0.0), sight);
+    vec2 variance = vec2(0.0), foam = vec2(0.0, 1.0);
+    vec3 n = vec3(0.0, 0.0, 1.0), on_bottom = lamps;
+    float z = under_eye.x - place.z, focus = found.z, mirrored_s = 0.0;
+    if (surface) {
+        vec3 facing = surface_normal(at, variance, foam);
+        seen = under_surface(sight, place, s, facing, variance);
+        z = found.w;
+        mirrored_s = min(z / -seen.away.z, UNDER_FAR);
+        vec2 there = place.xy + mirrored_s * seen.away.xy;
+        focus = under_focus(there, z);
+        on_bottom = lamps_on_face_below(vec3(there, under_eye.x - z), n);
 #ifdef PEL_LAYERS
-        facts.normal = n;
+        facts.normal = facing;
         facts.fresnel = seen.mirrored.g;
         facts.slope_variance = variance;
         facts.foam = foam.x;
 #endif
     } else if (bottom) {
-        float footprint = s * pixel.x * inversesqrt(max(-sight.z, 0.02));
-        vec3 n = under_bottom_normal(place.xy, footprint);
-        beyond = under_bottom(place.xy, n, under_eye.x - place.z, found.z);
+        n = under_bottom_normal(place.xy, s * pixel.x * inversesqrt(max(-sight.z, 0.02)));
 #ifdef PEL_LAYERS
         facts.normal = n;
         facts.albedo = under_ground.rgb;
 #endif
     }
+    under_light beyond = under_sum(UNDER_DARK, under_bottom(n, z, focus, on_bottom), vec3(surface || bottom ? 1.0 : 0.0));
     vec3 level = surface ? under_levelled(sight, s) : sight;
-    shaded result = as_shaded(under_water(level, s, beyond, under_shafts(level, s)));
+    vec3 shafts_ = under_shafts(level, s);
+    // From what the surface mirrors to it, and from there to the eye.
+    for (int way = surface ? 0 : 1; way < 2; way++) {
+        bool last = way == 1;
+        if (last && surface) {
+            beyond = under_sum(seen.light, beyond, seen.mirrored);
+#if defined(PEL_FOAM) || defined(PEL_WASH)
+            cover_by_foam_below(foam, texelFetch(under_back, at, 0).rgb, lamps, beyond);
+#endif
+        }
+        beyond = under_water(last ? level : seen.away, last ? under_depth() : 0.0, last ? s : mirrored_s, beyond,
+                             last ? shafts_ : vec3(0.0), last ? between : vec3(0.0));
+    }
+    shaded result = as_shaded(beyond);
 #ifdef PEL_LAYERS
     result.depth = surface || bottom ? s : uintBitsToFloat(0x7F800000u);
     result.normal = facts.normal;
@@ -204,7 +189,12 @@ shaded under_hull(vec3 ray, uvec2 number, vec3 shafts_)
     float s;
     object_point_seen point;
     under_light l = under_object(ray, number, sight, s, point, matt);
-    shaded result = as_shaded(under_water(sight, s, l, shafts_));
+#ifdef PEL_LAMPS_BELOW
+    vec3 between = under_lamps_between(sight, s);
+#else
+    const vec3 between = vec3(0.0);
+#endif
+    shaded result = as_shaded(under_water(sight, under_depth(), s, l, shafts_, between));
 #ifdef PEL_LAYERS
     result.depth = s;
     result.normal = point.normal;

@@ -86,7 +86,7 @@ static enum pel_err need(struct pel_under_map *map, const char *shader_dir,
     return PEL_OK;
 }
 
-enum part { SHAFTS, FIND, SCENE, HULLS, ABOVE, PARTS };
+enum part { SHAFTS, FIND, SURFACE, LAMPS, SCENE, HULLS, ABOVE, PARTS };
 
 static void defines_of(const struct pel_environment *env,
                        const struct pel_programs *p, enum part part,
@@ -95,6 +95,8 @@ static void defines_of(const struct pel_environment *env,
     static const char *const of[] = {
         [SHAFTS] = "#define PEL_SHAFT\n",
         [FIND] = "#define PEL_FIND\n",
+        [SURFACE] = "#define PEL_OF_SURFACE\n",
+        [LAMPS] = "#define PEL_OF_LAMPS\n",
         [SCENE] = "",
         [HULLS] = "#define PEL_OBJECTS\n",
         [ABOVE] = "#define PEL_ABOVE\n",
@@ -103,12 +105,12 @@ static void defines_of(const struct pel_environment *env,
     char surface[PEL_SURFACE_TEXT];
     pel_programs_surface(p, env->sea, surface);
     snprintf(out, 512, "%s%s%s%s%s%s%s%s", surface, of[part],
-             shades && pel_lamp_glow_any_below(env)
+             part >= LAMPS && pel_lamp_glow_any_below(env)
                  ? "#define PEL_LAMPS_BELOW\n"
                  : "",
-             shades ? pel_programs_foam(env->sea) : "",
+             part >= SURFACE ? pel_programs_foam(env->sea) : "",
              shades ? pel_shading_defines(kind) : "",
-             shades ? pel_light_program_defines(env) : "",
+             part >= SURFACE ? pel_light_program_defines(env) : "",
              env->seabed && part != SHAFTS ? "#define PEL_SEABED\n" : "",
              part >= HULLS && p->textured ? "#define PEL_TEXTURED\n" : "");
 }
@@ -130,8 +132,15 @@ enum pel_err pel_under_map_need(struct pel_under_map *map,
                                  fault);
     }
     static const char *const files[PARTS] = { "under_shafts.comp",
-                                              "under_find.frag" };
-    const bool wanted[PARTS] = { true, true, true, env->object_count > 0,
+                                              "under_find.frag",
+                                              "under_surface.frag",
+                                              "under_lamps.frag" };
+    const bool wanted[PARTS] = { true,
+                                 true,
+                                 true,
+                                 pel_lamp_glow_any_below(env),
+                                 true,
+                                 env->object_count > 0,
                                  env->object_count > 0 };
     for (int i = 0; i < PARTS && err == PEL_OK; i++) {
         const char *file = files[i] ? files[i] : "under.frag";
@@ -147,10 +156,14 @@ enum pel_err pel_under_map_need(struct pel_under_map *map,
 
 static void finish_found(struct pel_under_map *map)
 {
-    const GLuint textures[] = { map->found, map->above, map->above_depth };
-    const GLuint fbos[] = { map->found_fbo, map->above_fbo };
-    glDeleteTextures(3, textures);
-    glDeleteFramebuffers(2, fbos);
+    const GLuint textures[] = { map->found, map->normal,     map->foam,
+                                map->back,  map->lamps,      map->lamps_on,
+                                map->above, map->above_depth };
+    const GLuint fbos[] = { map->found_fbo, map->surface_fbo, map->lamps_fbo,
+                            map->above_fbo };
+    glDeleteTextures(8, textures);
+    glDeleteFramebuffers(4, fbos);
+    map->back = map->lamps = map->lamps_on = map->lamps_fbo = 0;
     map->above = map->above_depth = map->above_fbo = 0;
 }
 
@@ -421,6 +434,31 @@ double pel_under_map_least(const struct pel_under_map *map)
 
 /* --- drawing -------------------------------------------------------------- */
 
+static GLuint make_found(const struct pel_under_map *map, const char *label)
+{
+    GLuint texture = 0;
+    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+    glTextureStorage2D(texture, 1, GL_RGBA32F, (GLsizei)map->width,
+                       (GLsizei)map->height);
+    glTextureParameteri(texture, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    glTextureParameteri(texture, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    glObjectLabel(GL_TEXTURE, texture, -1, label);
+    return texture;
+}
+
+static GLuint make_found_fbo(int count, const GLuint textures[])
+{
+    static const GLenum of[] = { GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1,
+                                 GL_COLOR_ATTACHMENT2 };
+    GLuint fbo = 0;
+    glCreateFramebuffers(1, &fbo);
+    for (int i = 0; i < count; i++) {
+        glNamedFramebufferTexture(fbo, of[i], textures[i], 0);
+    }
+    glNamedFramebufferDrawBuffers(fbo, count, of);
+    return fbo;
+}
+
 static void fit_found(struct pel_under_map *map, const struct pel_targets *t)
 {
     if (map->width == t->width && map->height == t->height) {
@@ -429,15 +467,32 @@ static void fit_found(struct pel_under_map *map, const struct pel_targets *t)
     finish_found(map);
     map->width = t->width;
     map->height = t->height;
-    glCreateTextures(GL_TEXTURE_2D, 1, &map->found);
-    glTextureStorage2D(map->found, 1, GL_RGBA32F, (GLsizei)t->width,
-                       (GLsizei)t->height);
-    glTextureParameteri(map->found, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
-    glTextureParameteri(map->found, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
-    glObjectLabel(GL_TEXTURE, map->found, -1, "met under water");
-    glCreateFramebuffers(1, &map->found_fbo);
-    glNamedFramebufferTexture(map->found_fbo, GL_COLOR_ATTACHMENT0, map->found,
-                              0);
+    map->found = make_found(map, "met under water");
+    map->normal = make_found(map, "surface from below");
+    map->foam = make_found(map, "foam from below");
+    map->found_fbo = make_found_fbo(1, &map->found);
+    map->surface_fbo =
+        make_found_fbo(2, (const GLuint[]){ map->normal, map->foam });
+}
+
+static void fit_back(struct pel_under_map *map)
+{
+    if (!map->back) {
+        glDeleteFramebuffers(1, &map->surface_fbo);
+        map->back = make_found(map, "light on foam from below");
+        map->surface_fbo = make_found_fbo(
+            3, (const GLuint[]){ map->normal, map->foam, map->back });
+    }
+}
+
+static void fit_lamps(struct pel_under_map *map)
+{
+    if (!map->lamps) {
+        map->lamps = make_found(map, "lamps in the water");
+        map->lamps_on = make_found(map, "lamps on things in the water");
+        map->lamps_fbo =
+            make_found_fbo(2, (const GLuint[]){ map->lamps, map->lamps_on });
+    }
 }
 
 static void fit_above(struct pel_under_map *map)
@@ -491,6 +546,14 @@ static void use(struct pel_under_map *map, const struct pel_environment *env,
     glUseProgram(program ? *program : 0);
 }
 
+static void find(struct pel_under_map *map, const struct pel_environment *env,
+                 const struct pel_programs *p, enum part part, GLuint fbo)
+{
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
+    use(map, env, p, part, PEL_SHADE_LIGHT);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+}
+
 /* Light is blended along the line on the lens and at silhouettes. */
 static void draw_light(struct pel_under_map *map,
                        const struct pel_environment *env,
@@ -538,10 +601,21 @@ void pel_under_map_draw(struct pel_under_map *map,
     fit_found(map, targets);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, targets->triangles);
     glDisable(GL_DEPTH_TEST);
-    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, map->found_fbo);
-    use(map, env, p, FIND, PEL_SHADE_LIGHT);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    find(map, env, p, FIND, map->found_fbo);
     glBindTextureUnit(PEL_UNIT_UNDER_FOUND, map->found);
+    if (env->sea->foam || p->wash) {
+        fit_back(map);
+    }
+    find(map, env, p, SURFACE, map->surface_fbo);
+    glBindTextureUnit(PEL_UNIT_UNDER_NORMAL, map->normal);
+    glBindTextureUnit(PEL_UNIT_UNDER_FOAM, map->foam);
+    glBindTextureUnit(PEL_UNIT_UNDER_BACK, map->back);
+    if (pel_lamp_glow_any_below(env)) {
+        fit_lamps(map);
+        find(map, env, p, LAMPS, map->lamps_fbo);
+        glBindTextureUnit(PEL_UNIT_UNDER_LAMPS, map->lamps);
+        glBindTextureUnit(PEL_UNIT_UNDER_LAMPS_ON, map->lamps_on);
+    }
     if (crossed) {
         draw_light(map, env, p, SCENE, targets);
     }

@@ -52,7 +52,9 @@ struct pel_under_map {
     int program_count;
     GLuint map_program;
     GLuint map, shafts;
-    GLuint found, found_fbo;              /* what lines of sight meet */
+    GLuint found, found_fbo;                /* what lines of sight meet */
+    GLuint normal, foam, back, surface_fbo; /* of the surface that they meet */
+    GLuint lamps, lamps_on, lamps_fbo;    /* what lamps add before it, on it */
     GLuint above, above_depth, above_fbo; /* objects through a level surface */
     GLuint above_program;
     uint32_t width, height; /* of these */

@@ -109,10 +109,15 @@ struct pel_uvec4 {
 #define PEL_UNIT_WATER_ATTENUATION 14
 #define PEL_UNIT_NIGHT 34    /* 32 and up: what few pictures have */
 #define PEL_UNIT_PANORAMA 34 /* of pictures without the night's */
-#define PEL_UNIT_UNDER 35    /* of an eye under water, 35, 40 to 42 */
+#define PEL_UNIT_UNDER 35    /* of an eye under water, 35, 40 to 44, 56 to 58 */
 #define PEL_UNIT_SHAFTS 40
 #define PEL_UNIT_UNDER_FOUND 41
 #define PEL_UNIT_UNDER_ABOVE 42
+#define PEL_UNIT_UNDER_NORMAL 43
+#define PEL_UNIT_UNDER_FOAM 44
+#define PEL_UNIT_UNDER_BACK 56
+#define PEL_UNIT_UNDER_LAMPS 57
+#define PEL_UNIT_UNDER_LAMPS_ON 58
 #define PEL_UNIT_AMPLITUDES 0 /* 0, 1: transforms of the cascades */
 #define PEL_UNIT_MODES 1
 #define PEL_UNIT_MIPS 0 /* after them */

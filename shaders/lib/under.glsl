@@ -77,30 +77,34 @@ vec3 under_levelled(vec3 sight, float s)
     return vec3(level * sqrt(1.0 - up_ * up_), up_);
 }
 
-// The water before what is s m away; with what shafts add.
-under_light under_water(vec3 sight, float s, under_light beyond, vec3 shafts_)
+// From the depth z the water before what is s m away; with what shafts and lamps
+// add.
+under_light under_water(vec3 sight, float z, float s, under_light beyond, vec3 shafts_, vec3 lamps)
 {
     under_light l = under_sum(UNDER_DARK, beyond, under_left(s));
-    l.more += water_between(sight, under_depth(), s);
-    l.once += max(suns_between(sight, under_depth(), s) + shafts_, vec3(0.0));
-#ifdef PEL_LAMPS_BELOW
-    l.once += under_lamps_between(sight, s);
-#endif
+    l.more += water_between(sight, z, s);
+    l.once += max(suns_between(sight, z, s) + shafts_, vec3(0.0)) + lamps;
     return l;
 }
 
+vec3 lamps_on_face_below(vec3 place, vec3 n)
+{
+#ifdef PEL_LAMPS_BELOW
+    return under_lamps_on_face(place, n);
+#else
+    return vec3(0.0);
+#endif
+}
+
 // Light that falls on a face there, over pi; of the lights' beams, and the rest.
-void under_falling(vec3 place, vec3 n, float z, float focus, out vec3 direct, out vec3 around)
+void under_falling(vec3 n, float z, float focus, vec3 lamps, out vec3 direct, out vec3 around)
 {
     direct = vec3(0.0);
     for (int i = 0; i < PEL_LIT; i++) {
         vec3 one = under_beam(i, z) * (max(dot(n, under_beams[i].xyz), 0.0) / PI);
         direct += i == PEL_LIGHT_FIRST ? one * (1.0 + focus) : one;
     }
-    around = under_diffuse(n, z) / PI;
-#ifdef PEL_LAMPS_BELOW
-    around += under_lamps_on_face(place, n) / PI;
-#endif
+    around = (under_diffuse(n, z) + lamps) / PI;
 }
 
 vec3 under_bottom_normal(vec2 place, float footprint)
@@ -112,27 +116,13 @@ vec3 under_bottom_normal(vec2 place, float footprint)
 #endif
 }
 
-// The bottom of a normal n at a place, from the eye's nadir.
-under_light under_bottom(vec2 place, vec3 n, float z, float focus)
+// The bottom of a normal n at a depth.
+under_light under_bottom(vec3 n, float z, float focus, vec3 lamps)
 {
     vec3 direct, around;
-    under_falling(vec3(place, under_eye.x - z), n, z, focus, direct, around);
+    under_falling(n, z, focus, lamps, direct, around);
     under_light l = UNDER_DARK;
     l.bottom = under_ground.rgb * (direct + around);
-    return l;
-}
-
-// The water's own light as the surface mirrors it: from close below it down to
-// the bottom, that is so deep.
-under_light under_mirrored(vec2 place, vec3 sight, float deep)
-{
-    sight.z = min(sight.z, -0.02);
-    sight = normalize(sight);
-    float s = min(deep / -sight.z, UNDER_FAR);
-    vec2 there = place + s * sight.xy;
-    under_light l = under_sum(UNDER_DARK, under_bottom(there, vec3(0.0, 0.0, 1.0), deep, under_focus(there, deep)), under_left(s));
-    l.more += water_between(sight, 0.0, s);
-    l.once += suns_between(sight, 0.0, s);
     return l;
 }
 
@@ -160,13 +150,14 @@ vec3 under_glitter(int i, vec3 sight, vec3 n, vec3 tx, vec3 ty, vec2 variance)
 struct under_surface_seen {
     under_light light;
     vec3 mirrored; // mean share that the surface mirrors
+    vec3 away;     // mean direction into which, unit, down
 };
 
 // The surface from below, `s` m away at `place` from the eye: n its mean normal
 // in the pixel, variance the rest of its slopes. Light is refracted and mirrored
 // by facets of that variance; the forward peak of what the water scatters on
-// the way blurs it as more variance would.
-under_surface_seen under_surface(vec3 sight, vec3 place, float s, vec3 n, vec2 variance, float deep)
+// the way blurs it as more variance would. Without what it mirrors.
+under_surface_seen under_surface(vec3 sight, vec3 place, float s, vec3 n, vec2 variance)
 {
     const float STEP = 0.8;
     float index = sqrt(refraction.g);
@@ -225,8 +216,9 @@ under_surface_seen under_surface(vec3 sight, vec3 place, float s, vec3 n, vec2 v
 #if defined(PEL_CLOUDS) || defined(PEL_FOG)
     lights_leave = evenly;
 #endif
-    vec3 mirror_dir = normalize(away + vec3(0.0, 0.0, -1e-6));
-    seen.light = under_sum(seen.light, under_mirrored(place.xy, mirror_dir, deep), seen.mirrored);
+    seen.away = normalize(away + vec3(0.0, 0.0, -1e-6));
+    seen.away.z = min(seen.away.z, -0.02);
+    seen.away = normalize(seen.away);
     return seen;
 }
 
@@ -251,7 +243,8 @@ under_light under_object(vec3 ray, uvec2 number, vec3 sight, out float s, out ob
     placed o = placed_object(entity);
     float lit = lit_share(entity, from_object(o, point.place), point.normal) * lit_by_others(entity, point.place);
     vec3 direct, around;
-    under_falling(point.place, point.normal, max(z, 0.0), under_focus(point.place.xy, z), direct, around);
+    under_falling(point.normal, max(z, 0.0), under_focus(point.place.xy, z),
+                  lamps_on_face_below(point.place, point.normal), direct, around);
     under_light l = UNDER_DARK;
     l.sun = matt * direct * lit;
     l.sky = matt * around;

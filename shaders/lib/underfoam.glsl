@@ -13,12 +13,9 @@ void foam_below(float bright, out vec3 down, out vec3 back_)
 }
 
 // It hides what the surface lets through and mirrors. x: its share, y: how bright
-// it is from above.
-void cover_by_foam_below(vec2 foam, vec3 place, inout under_light l)
+// it is from above; below: the water's irradiance on it, lamps: that of lamps.
+void cover_by_foam_below(vec2 foam, vec3 below, vec3 lamps, inout under_light l)
 {
-    if (foam.x <= 0.0) {
-        return;
-    }
     vec3 down, back_, sun = vec3(0.0), sky = vec3(0.0);
     foam_below(foam.y, down, back_);
     for (int i = 0; i < PEL_LIT; i++) {
@@ -28,9 +25,7 @@ void cover_by_foam_below(vec2 foam, vec3 place, inout under_light l)
     under_light of_foam = UNDER_DARK;
     of_foam.sun = down * sun / PI;
     of_foam.sky = down * sky / PI;
-    of_foam.more = back_ * under_flux(0.0, 1.0) / PI;
-#ifdef PEL_LAMPS_BELOW
-    of_foam.once = back_ * under_lamps_on_face(place, vec3(0.0, 0.0, -1.0)) / PI;
-#endif
+    of_foam.more = back_ * below / PI;
+    of_foam.once = back_ * lamps / PI;
     l = under_sum(under_sum(UNDER_DARK, l, vec3(1.0 - foam.x)), of_foam, vec3(foam.x));
 }
