@@ -9,7 +9,8 @@
 // header is noted as it arrives, and the time when the decoder gives the
 // picture, by the clock that daemon and browser share. Prints how soon the
 // first picture is there after the page is opened, rate, scale, the parts of
-// the latency, and how soon a state patch is shown.
+// the latency, and how soon a state patch is shown; then, from the stamp to the
+// picture on the page, the ways that browsers play by themselves.
 import fs from "node:fs";
 
 import { openBrowser } from "../browser.mjs";
@@ -123,6 +124,26 @@ async function patches(daemon, page, count) {
     shown.map(([at, p]) => p.decoded - at)];
 }
 
+// Milliseconds from the stamp to the picture shown, as the page tells it once a
+// second: of WebRTC by RTP's time stamps, of HLS by the playlist's dates.
+async function played(browser, url, way, seconds) {
+  const page = await browser.newPage({ viewport: { width: 1360,
+    height: 900 } });
+  await page.goto(`${url}/?way=${way}`);
+  const told = async () => Number.parseFloat(
+    await page.locator(".fact.ms").innerText().catch(() => ""));
+  await until(`a latency by ${way}`, async () => await told() >= 0);
+  await sleep(4000); // its buffers are what they will be
+  const values = [];
+  for (let i = 0; i < seconds; i++) {
+    await sleep(1000);
+    values.push(await told());
+  }
+  await page.close();
+  return line(`stamp to shown picture by ${way}`,
+    values.filter((v) => v >= 0));
+}
+
 function options() {
   const given = { seconds: 20, width: 1280, height: 720, openings: 6 };
   const rest = [];
@@ -210,6 +231,11 @@ async function main() {
     const quality = await daemon.metric("pelagos_frames_quality");
     const figures = { firstPictureMs: first,
       ...report(pictures, quality, given, changes) };
+    await page.close(); // of the ways one by one
+    for (const way of ["webcodecs", "whep", "hls"]) {
+      figures[`${way}Ms`] = await played(browser, daemon.url, way,
+        given.seconds);
+    }
     if (given.json) {
       fs.writeFileSync(given.json, JSON.stringify(figures, null, 2));
     }
