@@ -169,11 +169,12 @@ class Commands(SessionCase):
         other.ask(patch={"state": {"sea": {"seed": 77}}})
         reply = session.receive()
         self.assertEqual((reply.id, reply.state.sea.seed), (70, 77))
-        # A slow reader misses states, not the newest one.
-        for seed in range(1000, 3000):
-            other.ask(patch={"state": {"sea": {"seed": seed}}})
+        # A slow reader misses states, not the newest one. (Not of the sea,
+        # each of which would be built.)
+        for azimuth in range(2000):
+            other.ask(patch={"state": {"sky": {"sun_azimuth": azimuth / 10}}})
         seen = 0
-        while reply.state.sea.seed != 2999:
+        while reply.state.sky.sun_azimuth != 199.9:
             reply = session.receive()
             seen += 1
         self.assertLessEqual(seen, 2000)

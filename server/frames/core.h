@@ -143,6 +143,7 @@ struct pel_frames {
     struct pel_optics_query *optics[PEL_MAX_OPTICS_QUERIES];
 
     uint64_t stuck_order; /* the last job that was logged as stuck */
+    uint64_t slow_order;  /* likewise, as slow */
     struct pel_frames_stats stats;
     struct pel_window render_ms, encode_ms, video_ms;
     struct pel_window ready_ms; /* live frames: stamp to bytes */

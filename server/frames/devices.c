@@ -219,14 +219,27 @@ void pel_devices_released(struct pel_devices *devices,
     pel_renderloop_released(devices->loops[part->device], part);
 }
 
+static const struct pel_renderloop *
+silent_longest(const struct pel_devices *devices)
+{
+    const struct pel_renderloop *silent = devices->loops[0];
+    for (size_t i = 1; i < devices->count; i++) {
+        if (pel_renderloop_progress_ns(devices->loops[i]) <
+            pel_renderloop_progress_ns(silent)) {
+            silent = devices->loops[i];
+        }
+    }
+    return silent;
+}
+
 int64_t pel_devices_progress_ns(const struct pel_devices *devices)
 {
-    int64_t oldest = pel_now_ns();
-    for (size_t i = 0; i < devices->count; i++) {
-        int64_t at = pel_renderloop_progress_ns(devices->loops[i]);
-        oldest = at < oldest ? at : oldest;
-    }
-    return oldest;
+    return pel_renderloop_progress_ns(silent_longest(devices));
+}
+
+bool pel_devices_compute(const struct pel_devices *devices)
+{
+    return pel_renderloop_computes(silent_longest(devices));
 }
 
 bool pel_devices_in_compute(const struct pel_devices *devices)

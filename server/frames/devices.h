@@ -59,6 +59,9 @@ void pel_devices_released(struct pel_devices *devices,
  * now, if there is none. */
 int64_t pel_devices_progress_ns(const struct pel_devices *devices);
 
+/* That one computes (pel_renderloop_computes). */
+bool pel_devices_compute(const struct pel_devices *devices);
+
 bool pel_devices_in_compute(const struct pel_devices *devices);
 
 struct pel_device_stats {

@@ -278,7 +278,8 @@ void pel_frames_set_max_fps(struct pel_frames *frames, double max_fps);
 void pel_frames_set_quality(struct pel_frames *frames, double quality);
 
 /* Whether the renderer has returned nothing for more than 2 s with frames to
- * draw; on a software device for 4 us a pixel more. */
+ * draw; on a software device for 4 us a pixel more, and not while it computes,
+ * for two minutes and a minute of a core at most (programs are compiled). */
 bool pel_frames_stuck(const struct pel_frames *frames);
 
 /* Writes the counters as metrics `pelagos_frames_...`; user: the frames. */

@@ -19,9 +19,31 @@
 #define MAX_SUBMITTED 2
 #define MAX_REFUSALS 100 /* 2 ms apart */
 #define STOP_NS 2000000000LL
+/* A software device compiles and draws on this process's threads, for seconds
+ * where programs are new, and takes one part in LEAST_SHARE of a processor at
+ * least, were 20 others at work on each; one that hangs waits, or computes for
+ * longer than any picture takes. */
+#define LEAST_SHARE 25
+#define MOST_COMPUTED_NS 60000000000LL
+#define MOST_SILENT_NS 120000000000LL
+
+static int64_t read_ns(clockid_t clock)
+{
+    struct timespec t = { 0 };
+    clock_gettime(clock, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+/* Of processors, by this process without the control thread, which answers
+ * clients whatever the renderer does. */
+static int64_t used_ns(const struct pel_renderloop *loop)
+{
+    return read_ns(CLOCK_PROCESS_CPUTIME_ID) - read_ns(loop->control);
+}
 
 void pel_renderloop_progress(struct pel_renderloop *loop)
 {
+    atomic_store(&loop->progress_used_ns, used_ns(loop));
     atomic_store(&loop->progress_ns, pel_now_ns());
 }
 
@@ -700,6 +722,9 @@ pel_renderloop_create(const struct pel_renderer_options *o, unsigned device,
     loop->device = device;
     loop->pool = pool;
     loop->box = box;
+    if (pthread_getcpuclockid(pthread_self(), &loop->control) != 0) {
+        loop->control = CLOCK_THREAD_CPUTIME_ID;
+    }
     pel_renderloop_progress(loop);
     pel_lock_init(&loop->lock);
     pel_cond_init(&loop->wake);
@@ -825,6 +850,14 @@ int64_t pel_renderloop_progress_ns(const struct pel_renderloop *loop)
     return pel_renderloop_work(loop) == 0 ? pel_now_ns()
            : awake_ns > progress_ns       ? awake_ns
                                           : progress_ns;
+}
+
+bool pel_renderloop_computes(const struct pel_renderloop *loop)
+{
+    int64_t silent = pel_now_ns() - pel_renderloop_progress_ns(loop);
+    int64_t used = used_ns(loop) - atomic_load(&loop->progress_used_ns);
+    return pel_renderloop_is_software(loop) && silent < MOST_SILENT_NS &&
+           used > silent / LEAST_SHARE && used < MOST_COMPUTED_NS;
 }
 
 bool pel_renderloop_stop(struct pel_renderloop *loop)

@@ -71,6 +71,12 @@ void pel_renderloop_released(struct pel_renderloop *loop,
  * any thread. */
 int64_t pel_renderloop_progress_ns(const struct pel_renderloop *loop);
 
+/* It draws on the processor, and since then this process has been computing
+ * besides what clients ask of the thread that made this, for two minutes and a
+ * minute of a core at most: programs are compiled, or the machine is busy. Any
+ * thread. */
+bool pel_renderloop_computes(const struct pel_renderloop *loop);
+
 /* Drops what waits and joins; false: not within 2 s, the thread is left. The
  * encoders must have stopped. */
 bool pel_renderloop_stop(struct pel_renderloop *loop);

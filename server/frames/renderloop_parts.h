@@ -51,7 +51,8 @@ struct pel_renderloop {
     int64_t drawn_ns; /* when the last picture was there; render thread */
     atomic_bool stop;
     atomic_size_t held_bytes, held_large;
-    _Atomic int64_t progress_ns;
+    clockid_t control; /* what the thread that made this has computed */
+    _Atomic int64_t progress_ns, progress_used_ns; /* clock; processor's */
     /* Device: of the first renderer, and of the software one that follows. */
     char devices[2][256];
     atomic_int device_now;

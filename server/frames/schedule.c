@@ -637,16 +637,30 @@ static int64_t patience_ns(const struct pel_frames *frames)
     return ns;
 }
 
-bool pel_frames_stuck(const struct pel_frames *frames)
+static bool is_silent(const struct pel_frames *frames)
 {
     return frames->drawing > 0 &&
            pel_now_ns() - pel_devices_progress_ns(frames->devices) >
                STUCK_NS + patience_ns(frames);
 }
 
+bool pel_frames_stuck(const struct pel_frames *frames)
+{
+    return is_silent(frames) && !pel_devices_compute(frames->devices);
+}
+
 void pel_schedule_watch(void *user)
 {
     struct pel_frames *frames = user;
+    if (is_silent(frames) && !pel_frames_stuck(frames) &&
+        frames->slow_order != frames->job_order) {
+        frames->slow_order = frames->job_order;
+        pel_info("FRM-013",
+                 "a picture takes more than %.1f s: programs are compiled, or "
+                 "the machine is busy (%u frames wait)",
+                 (double)(STUCK_NS + patience_ns(frames)) * 1e-9,
+                 frames->drawing);
+    }
     if (pel_frames_stuck(frames) && frames->stuck_order != frames->job_order) {
         frames->stuck_order = frames->job_order;
         pel_error("FRM-002",
