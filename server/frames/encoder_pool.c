@@ -13,15 +13,20 @@
 
 #define STOP_NS 1000000000LL
 
+struct encoder {
+    struct pel_encoder_pool *pool;
+    pthread_t thread;
+    pthread_mutex_t lock;       /* protects at_work; after the pool's */
+    struct pel_output *at_work; /* NULL: none */
+};
+
 struct pel_encoder_pool {
-    /* protects the queues, slow_busy, count, ended, at_work */
-    pthread_mutex_t lock;
+    pthread_mutex_t lock; /* protects the queues, slow_busy, count, ended */
     pthread_cond_t work;
     struct pel_queue fast, slow;
     int slow_busy;
     int count, ended;
-    struct pel_output *at_work[PEL_MAX_ENCODERS]; /* NULL: none */
-    pthread_t threads[PEL_MAX_ENCODERS];
+    struct encoder encoders[PEL_MAX_ENCODERS];
     atomic_bool stop;
     struct pel_mailbox *box;
     void (*released)(void *user, const struct pel_job_draw *part);
@@ -127,9 +132,17 @@ static enum pel_err encode_bytes(const struct pel_output *output,
     return encode(&input, bytes);
 }
 
-static void encode_output(struct pel_encoder_pool *pool,
-                          struct pel_output **place, struct pel_output *output)
+/* Before it is posted, since it may be gone then. */
+static void leave_work(struct encoder *encoder)
 {
+    pthread_mutex_lock(&encoder->lock);
+    encoder->at_work = NULL;
+    pthread_mutex_unlock(&encoder->lock);
+}
+
+static void encode_output(struct encoder *encoder, struct pel_output *output)
+{
+    struct pel_encoder_pool *pool = encoder->pool;
     struct pel_job_draw *part = &output->job->parts[output->draw];
     output->err = part->err == PEL_OK && atomic_load(&output->cancel)
                       ? PEL_ERR_CONFLICT
@@ -172,9 +185,7 @@ static void encode_output(struct pel_encoder_pool *pool,
         }
         pool->released(pool->user, part);
     }
-    pthread_mutex_lock(&pool->lock);
-    *place = NULL;
-    pthread_mutex_unlock(&pool->lock);
+    leave_work(encoder);
     pel_mailbox_post(pool->box, &output->mail);
 }
 
@@ -235,26 +246,25 @@ static void free_track(struct pel_encoder_pool *pool, struct pel_track *track)
     if (track) {
         pthread_mutex_lock(&pool->lock);
         track->busy = false;
-        if (pool->fast.first) {
+        bool more = pool->fast.first != NULL;
+        pthread_mutex_unlock(&pool->lock);
+        if (more) {
             pthread_cond_signal(&pool->work);
         }
-        pthread_mutex_unlock(&pool->lock);
         pel_track_unref(track);
     }
 }
 
-/* Both have the lock. */
-static struct pel_output **note_work(struct pel_encoder_pool *pool,
-                                     struct pel_mail *mail)
+/* Has the pool's lock: what is taken is in a queue or at work. */
+static void note_work(struct encoder *encoder, struct pel_mail *mail)
 {
-    struct pel_output **place = pool->at_work;
-    while (*place) {
-        place++; /* there is one for each thread */
-    }
-    *place = mail->kind == PEL_MAIL_OUTPUT ? (struct pel_output *)mail : NULL;
-    return place;
+    pthread_mutex_lock(&encoder->lock);
+    encoder->at_work =
+        mail->kind == PEL_MAIL_OUTPUT ? (struct pel_output *)mail : NULL;
+    pthread_mutex_unlock(&encoder->lock);
 }
 
+/* Has the lock. */
 static void end(struct pel_encoder_pool *pool)
 {
     pool->ended++;
@@ -263,7 +273,8 @@ static void end(struct pel_encoder_pool *pool)
 
 static void *run(void *argument)
 {
-    struct pel_encoder_pool *pool = argument;
+    struct encoder *encoder = argument;
+    struct pel_encoder_pool *pool = encoder->pool;
     pthread_mutex_lock(&pool->lock);
     while (!atomic_load(&pool->stop)) {
         bool slow;
@@ -273,20 +284,18 @@ static void *run(void *argument)
             continue;
         }
         struct pel_track *track = track_of(mail);
-        struct pel_output **place = note_work(pool, mail);
+        note_work(encoder, mail);
         pthread_mutex_unlock(&pool->lock);
         if (mail->kind == PEL_MAIL_OUTPUT) {
-            encode_output(pool, place, (struct pel_output *)mail);
+            encode_output(encoder, (struct pel_output *)mail);
         } else if (mail->kind == PEL_MAIL_OPTICS) {
             pel_optics_reference((struct pel_optics_query *)mail);
             pel_mailbox_post(pool->box, mail);
         }
         free_track(pool, track);
         pthread_mutex_lock(&pool->lock);
+        /* This thread takes what waits; others were woken for the rest. */
         pool->slow_busy -= slow;
-        if (slow && pool->slow.first) {
-            pthread_cond_signal(&pool->work);
-        }
     }
     end(pool);
     pthread_mutex_unlock(&pool->lock);
@@ -310,10 +319,13 @@ enum pel_err pel_encoder_pool_create(
     threads = threads > PEL_MAX_ENCODERS ? PEL_MAX_ENCODERS : threads;
     pthread_mutex_lock(&pool->lock);
     for (int i = 0; i < threads; i++) {
-        if (pthread_create(&pool->threads[i], NULL, run, pool) != 0) {
+        struct encoder *encoder = &pool->encoders[i];
+        encoder->pool = pool;
+        pel_lock_init(&encoder->lock);
+        if (pthread_create(&encoder->thread, NULL, run, encoder) != 0) {
             break;
         }
-        pthread_setname_np(pool->threads[i], "encode");
+        pthread_setname_np(encoder->thread, "encode");
         pool->count = i + 1;
     }
     pthread_mutex_unlock(&pool->lock);
@@ -331,17 +343,20 @@ bool pel_encoder_pool_stop(struct pel_encoder_pool *pool)
 {
     pthread_mutex_lock(&pool->lock);
     atomic_store(&pool->stop, true);
-    for (int i = 0; i < PEL_MAX_ENCODERS; i++) {
-        if (pool->at_work[i]) {
-            atomic_store(&pool->at_work[i]->cancel, true);
+    for (int i = 0; i < pool->count; i++) {
+        struct encoder *encoder = &pool->encoders[i];
+        pthread_mutex_lock(&encoder->lock);
+        if (encoder->at_work) {
+            atomic_store(&encoder->at_work->cancel, true);
         }
+        pthread_mutex_unlock(&encoder->lock);
     }
     pthread_cond_broadcast(&pool->work);
     bool ended = pel_cond_wait_ended(&pool->work, &pool->lock, &pool->ended,
                                      pool->count, STOP_NS);
     pthread_mutex_unlock(&pool->lock);
     for (int i = 0; ended && i < pool->count; i++) {
-        pthread_join(pool->threads[i], NULL);
+        pthread_join(pool->encoders[i].thread, NULL);
     }
     return ended;
 }
@@ -355,6 +370,9 @@ void pel_encoder_pool_destroy(struct pel_encoder_pool *pool)
                 pel_track_unref((struct pel_track *)mail);
             }
         }
+        for (int i = 0; i < pool->count; i++) {
+            pthread_mutex_destroy(&pool->encoders[i].lock);
+        }
         pthread_cond_destroy(&pool->work);
         pthread_mutex_destroy(&pool->lock);
         free(pool);
@@ -366,8 +384,8 @@ static void push(struct pel_encoder_pool *pool, struct pel_queue *queue,
 {
     pthread_mutex_lock(&pool->lock);
     pel_queue_push(queue, mail);
-    pthread_cond_signal(&pool->work);
     pthread_mutex_unlock(&pool->lock);
+    pthread_cond_signal(&pool->work);
 }
 
 void pel_encoder_pool_push_output(struct pel_encoder_pool *pool,

@@ -342,8 +342,8 @@ static void push(struct pel_renderloop *loop, struct pel_mail *mail)
 {
     pthread_mutex_lock(&loop->lock);
     pel_queue_push(&loop->queue, mail);
-    pthread_cond_signal(&loop->wake);
     pthread_mutex_unlock(&loop->lock);
+    pthread_cond_signal(&loop->wake);
 }
 
 /* Before it is pushed. */
@@ -395,8 +395,8 @@ static void hand_all(struct pel_renderloop *loop, struct pel_parts parts)
         note_work(to, pixels_of(part));
         pthread_mutex_lock(&to->lock);
         pel_parts_put(&to->handed, part);
-        pthread_cond_signal(&to->wake);
         pthread_mutex_unlock(&to->lock);
+        pthread_cond_signal(&to->wake);
     }
 }
 
@@ -818,8 +818,8 @@ void pel_renderloop_push_large(struct pel_renderloop *loop, struct pel_job *job)
     note_work(loop, large_pixels(job));
     pthread_mutex_lock(&loop->lock);
     pel_queue_push(&loop->given, &job->mail);
-    pthread_cond_signal(&loop->wake);
     pthread_mutex_unlock(&loop->lock);
+    pthread_cond_signal(&loop->wake);
 }
 
 void pel_renderloop_set_band(struct pel_renderloop *loop, uint64_t pixels)
@@ -839,8 +839,8 @@ void pel_renderloop_released(struct pel_renderloop *loop,
     atomic_fetch_sub(part->job->large ? &loop->held_large : &loop->held_bytes,
                      part->bytes);
     pthread_mutex_lock(&loop->lock);
-    pthread_cond_signal(&loop->wake);
     pthread_mutex_unlock(&loop->lock);
+    pthread_cond_signal(&loop->wake);
 }
 
 int64_t pel_renderloop_progress_ns(const struct pel_renderloop *loop)

@@ -133,8 +133,8 @@ void pel_surface_pool_prepare(struct pel_surface_pool *self,
     memmove(f + 1, f, (PEL_MOST_PREPARED - 1) * sizeof *f);
     f[0] = (struct prefetched){ pel_snapshot_ref(snapshot), time_s, moving, *of,
                                 begin_ns };
-    pthread_cond_broadcast(&self->asked);
     pthread_mutex_unlock(&self->lock);
+    pthread_cond_broadcast(&self->asked);
 }
 
 /* --- answering --------------------------------------------------------------
@@ -165,7 +165,9 @@ static void *run(void *argument)
         pthread_mutex_lock(&self->lock);
         query->answered += count;
         if (query->answered == query->count) {
+            pthread_mutex_unlock(&self->lock);
             pel_mailbox_post(self->box, &query->mail);
+            pthread_mutex_lock(&self->lock);
         }
     }
     self->ended++;
@@ -209,12 +211,13 @@ void pel_surface_pool_push(struct pel_surface_pool *self,
     pthread_mutex_lock(&self->lock);
     pel_queue_push(&self->queue, &query->mail);
     atomic_store(&self->hurry, true);
-    if (query->count > SLICE) {
+    bool slices = query->count > SLICE;
+    pthread_mutex_unlock(&self->lock);
+    if (slices) {
         pthread_cond_broadcast(&self->asked);
     } else {
         pthread_cond_signal(&self->asked);
     }
-    pthread_mutex_unlock(&self->lock);
 }
 
 bool pel_surface_pool_stop(struct pel_surface_pool *self)

@@ -53,6 +53,7 @@ void pel_turn_end(bool had)
     }
     pthread_mutex_lock(&lock);
     busy = false;
-    pthread_cond_signal(&called[served % WAITING]);
+    unsigned following = served;
     pthread_mutex_unlock(&lock);
+    pthread_cond_signal(&called[following % WAITING]);
 }
