@@ -11,6 +11,7 @@ enum pel_format_uses {
     PEL_FORMAT_QUALITY = 1 << 1, /* of FrameRequest */
     PEL_FORMAT_TRUTH = 1 << 3,   /* no picture: of the id layer */
     PEL_FORMAT_QUICK = 1 << 2,   /* milliseconds; the others wait for it */
+    PEL_FORMAT_PLANES = 1 << 4,  /* made of luma and chroma as well */
 };
 
 struct pel_format {

@@ -9,6 +9,7 @@
 
 #include "base/err.h"
 #include "encode/photo.h"
+#include "encode/planes.h"
 
 /* Bytes owned by the struct's holder; free with pel_bytes_finish. */
 struct pel_bytes {
@@ -52,6 +53,9 @@ struct pel_encode_input {
 
     /* 8-bit colour */
     const uint8_t *rgba;
+    /* Instead of rgba, for JPEG: full range, whole blocks of 16x16 pixels,
+     * beyond the picture its last column and row again. */
+    const struct pel_planes_given *planes;
     uint32_t out_width, out_height;       /* of the file; 0: as they are */
     int quality;                          /* 1..100 */
     const struct pel_photo_blocks *photo; /* into the file; NULL: nothing */
@@ -75,7 +79,7 @@ struct pel_encode_input {
 typedef enum pel_err pel_encode(const struct pel_encode_input *in,
                                 struct pel_bytes *out);
 
-/* RGBA, quality and the file's size to JPEG 4:2:0 (libyuv's planes,
+/* RGBA or planes, quality and the file's size to JPEG 4:2:0 (libyuv's planes,
  * libjpeg-turbo); not cancelled, it takes milliseconds. */
 PEL_CHECK pel_encode pel_jpeg_encode;
 

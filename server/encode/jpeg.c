@@ -240,13 +240,37 @@ static enum pel_err write_strips(struct compressor *compressor,
     return PEL_OK;
 }
 
+/* Planes with whole blocks; the rows of the next ones are fetched. */
 static void write_planes(struct compressor *compressor,
-                         const struct pel_planes *planes, uint32_t rows)
+                         const struct pel_planes *p)
 {
-    extend_all(planes, planes->height, rows);
-    for (uint32_t first = 0; first < planes->height; first += ROWS) {
-        write_rows(compressor, planes, first);
+    for (size_t first = 0; first < p->height; first += ROWS) {
+        size_t next = first + ROWS;
+        if (next < p->height) {
+            pel_planes_fetch(p->y + next * (size_t)p->y_stride,
+                             ROWS * (size_t)p->y_stride);
+            pel_planes_fetch(p->u + next / 2 * (size_t)p->u_stride,
+                             ROWS / 2 * (size_t)p->u_stride);
+            pel_planes_fetch(p->v + next / 2 * (size_t)p->v_stride,
+                             ROWS / 2 * (size_t)p->v_stride);
+        }
+        write_rows(compressor, p, first);
     }
+}
+
+/* Nobody writes them, as libjpeg does not say. */
+static struct pel_planes writable(const struct pel_planes_given *p)
+{
+    return (struct pel_planes){
+        .y = (uint8_t *)(uintptr_t)p->y,
+        .u = (uint8_t *)(uintptr_t)p->u,
+        .v = (uint8_t *)(uintptr_t)p->v,
+        .y_stride = p->y_stride,
+        .u_stride = p->u_stride,
+        .v_stride = p->v_stride,
+        .width = p->width,
+        .height = p->height,
+    };
 }
 
 /* What was made, in memory of the caller's. */
@@ -266,7 +290,7 @@ static enum pel_err hand_out(struct compressor *compressor,
 
 /* RGBA, or NULL: the planes are filled already. */
 static enum pel_err compress(struct compressor *compressor, const uint8_t *rgba,
-                             struct pel_planes *planes, uint32_t rows,
+                             struct pel_planes *planes,
                              const struct pel_encode_input *in,
                              struct pel_bytes *out)
 {
@@ -279,7 +303,7 @@ static enum pel_err compress(struct compressor *compressor, const uint8_t *rgba,
         if (rgba) {
             err = write_strips(compressor, rgba, width, height, planes);
         } else {
-            write_planes(compressor, planes, rows);
+            write_planes(compressor, planes);
         }
         err = err == PEL_OK ? hand_out(compressor, out) : err;
     } else {
@@ -299,7 +323,8 @@ enum pel_err pel_jpeg_encode(const struct pel_encode_input *in,
     uint32_t width = in->out_width ? in->out_width : in->width;
     uint32_t height = in->out_height ? in->out_height : in->height;
     *out = (struct pel_bytes){ 0 };
-    if (!in->rgba || in->width - 1 >= PEL_ENCODE_MAX_SIZE ||
+    if ((!in->rgba && (!in->planes || !in->planes->v)) ||
+        in->width - 1 >= PEL_ENCODE_MAX_SIZE ||
         in->height - 1 >= PEL_ENCODE_MAX_SIZE ||
         width - 1 >= PEL_ENCODE_MAX_SIZE || height - 1 >= PEL_ENCODE_MAX_SIZE ||
         in->quality < 1 || in->quality > 100) {
@@ -313,10 +338,17 @@ enum pel_err pel_jpeg_encode(const struct pel_encode_input *in,
     uint32_t rows = as_it_is ? ROWS : (height + ROWS - 1) / ROWS * ROWS;
     enum pel_err err = reserve(compressor, width, height, rows, &planes);
     if (err == PEL_OK && !as_it_is) {
-        err = pel_planes_fill(in->rgba, (int)in->width * 4, in->width,
-                              in->height, true, &compressor->between, &planes);
+        err = in->rgba
+                  ? pel_planes_fill(in->rgba, (int)in->width * 4, in->width,
+                                    in->height, true, &compressor->between,
+                                    &planes)
+                  : pel_planes_take(in->planes, true, &compressor->between,
+                                    &planes);
+        extend_all(&planes, height, rows);
+    } else if (!in->rgba) {
+        planes = writable(in->planes);
     }
     return err == PEL_OK ? compress(compressor, as_it_is ? in->rgba : NULL,
-                                    &planes, rows, in, out)
+                                    &planes, in, out)
                          : err;
 }

@@ -33,10 +33,10 @@ static int convert_rows(const uint8_t *rgba, int stride, bool full_range,
         width, rows);
 }
 
-void pel_planes_fetch(const uint8_t *rgba, size_t size)
+void pel_planes_fetch(const uint8_t *pixels, size_t size)
 {
     for (size_t i = 0; i < size; i += CACHE_LINE) {
-        __builtin_prefetch(rgba + i);
+        __builtin_prefetch(pixels + i);
     }
 }
 
@@ -56,7 +56,8 @@ static int convert(const uint8_t *rgba, int stride, bool full_range,
     return status;
 }
 
-static int scale(const struct pel_planes *from, const struct pel_planes *to)
+static int scale(const struct pel_planes_given *from,
+                 const struct pel_planes *to)
 {
     bool smaller = to->width < from->width || to->height < from->height;
     enum FilterMode filter = smaller ? kFilterBox : kFilterBilinear;
@@ -98,6 +99,13 @@ static bool lay_out(struct pel_planes_scratch *scratch, uint32_t width,
     return scratch->data != NULL;
 }
 
+static struct pel_planes_given given(const struct pel_planes *p)
+{
+    return (struct pel_planes_given){ p->y,        p->u,        p->v,
+                                      p->y_stride, p->u_stride, p->v_stride,
+                                      p->width,    p->height };
+}
+
 enum pel_err pel_planes_fill(const uint8_t *rgba, int stride, uint32_t width,
                              uint32_t height, bool full_range,
                              struct pel_planes_scratch *scratch,
@@ -115,8 +123,56 @@ enum pel_err pel_planes_fill(const uint8_t *rgba, int stride, uint32_t width,
     if (!lay_out(scratch, width, height, out, &between)) {
         return PEL_ERR_NO_MEMORY;
     }
+    const struct pel_planes_given made = given(&between);
     return convert(rgba, stride, full_range, &between) == 0 &&
-                   scale(&between, out) == 0
+                   scale(&made, out) == 0
                ? PEL_OK
                : PEL_ERR_INVALID;
+}
+
+/* The first columns and rows, pairs taken apart where `to` has planes. */
+static int copy(const struct pel_planes_given *from,
+                const struct pel_planes *to)
+{
+    int width = (int)to->width, height = (int)to->height;
+    if (from->v) {
+        return I420Copy(from->y, from->y_stride, from->u, from->u_stride,
+                        from->v, from->v_stride, to->y, to->y_stride, to->u,
+                        to->u_stride, to->v, to->v_stride, width, height);
+    }
+    if (to->v) {
+        return NV12ToI420(from->y, from->y_stride, from->u, from->u_stride,
+                          to->y, to->y_stride, to->u, to->u_stride, to->v,
+                          to->v_stride, width, height);
+    }
+    return NV12Copy(from->y, from->y_stride, from->u, from->u_stride, to->y,
+                    to->y_stride, to->u, to->u_stride, width, height);
+}
+
+enum pel_err pel_planes_take(const struct pel_planes_given *from, bool scaled,
+                             struct pel_planes_scratch *scratch,
+                             const struct pel_planes *out)
+{
+    struct pel_planes between;
+    struct pel_planes_given here = *from;
+    if ((from->v && !out->v) || from->width - 1 >= MAX_SIZE ||
+        from->height - 1 >= MAX_SIZE || out->width - 1 >= MAX_SIZE ||
+        out->height - 1 >= MAX_SIZE ||
+        (!scaled &&
+         (out->width > from->width || out->height > from->height))) {
+        return PEL_ERR_INVALID;
+    }
+    if (!scaled) {
+        return copy(from, out) == 0 ? PEL_OK : PEL_ERR_INVALID;
+    }
+    if (!from->v && out->v) {
+        if (!lay_out(scratch, from->width, from->height, out, &between)) {
+            return PEL_ERR_NO_MEMORY;
+        }
+        if (copy(from, &between) != 0) {
+            return PEL_ERR_INVALID;
+        }
+        here = given(&between);
+    }
+    return scale(&here, out) == 0 ? PEL_OK : PEL_ERR_INVALID;
 }

@@ -1,4 +1,4 @@
-/* H.264 encoders: RGBA pictures of one stream in, access units out. They are
+/* H.264 encoders: pictures of one stream in, access units out. They are
  * GStreamer's, chosen at run time: hardware first, then x264, then openh264.
  * No GL, no sockets. An encoder is used by one thread at a time. */
 #pragma once
@@ -22,6 +22,7 @@ struct pel_video;
  * none. */
 struct pel_video_picture {
     const uint8_t *rgba; /* top row first, tightly packed */
+    const struct pel_planes_given *planes; /* instead: studio range, pairs */
     uint32_t width, height;
     uint32_t out_width, out_height; /* scaled to it; 0: as it is */
     int64_t stamp_ns;               /* any clock that does not run backwards */

@@ -60,6 +60,25 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
     frame->render_ms = part->radar ? picture->render_ms : part->render_ms;
 }
 
+/* What the device made of the picture; false: pixels. */
+static bool planes_of(const struct pel_picture *p, struct pel_planes_given *out)
+{
+    if (p->ycbcr == PEL_YCBCR_NONE) {
+        return false;
+    }
+    *out = (struct pel_planes_given){
+        .y = p->planes[0],
+        .u = p->planes[1],
+        .v = p->planes[2],
+        .y_stride = p->strides[0],
+        .u_stride = p->strides[1],
+        .v_stride = p->strides[2],
+        .width = p->width,
+        .height = p->height,
+    };
+    return true;
+}
+
 static enum pel_err encode_video(struct pel_output *output,
                                  struct pel_frame *frame,
                                  struct pel_bytes *bytes)
@@ -69,8 +88,10 @@ static enum pel_err encode_video(struct pel_output *output,
     const struct pel_picture *p = part->picture;
     bool scaled = p->width != part->width || p->height != part->height;
     struct pel_fault fault = { 0 };
+    struct pel_planes_given planes;
     struct pel_video_picture picture = {
         .rgba = p->rgba,
+        .planes = planes_of(p, &planes) ? &planes : NULL,
         .width = p->width,
         .height = p->height,
         .out_width = scaled ? part->width : 0,
@@ -119,7 +140,9 @@ static enum pel_err encode_bytes(const struct pel_output *output,
         pel_picture_photo(output, &photo);
         pel_photo_write(&photo, &blocks);
     }
+    struct pel_planes_given planes;
     const struct pel_encode_input input = {
+        .planes = planes_of(p, &planes) ? &planes : NULL,
         .width = p->width,
         .height = p->height,
         .cancel = &output->cancel,

@@ -12,6 +12,7 @@
 #include "base/log.h"
 #include "frames/loss.h"
 #include "frames/renderloop_parts.h"
+#include "proto/formats.h"
 
 /* Readback memory in flight or with the encoders, of large jobs and of the
  * others; one picture always fits. */
@@ -224,6 +225,27 @@ static void say_failed(const struct pel_job *job, enum pel_err err)
                     (unsigned long long)job->number, pel_err_name(err));
 }
 
+/* What all who take this picture take it as. */
+static enum pel_ycbcr ycbcr_of(const struct pel_job *job, size_t draw)
+{
+    bool video = false, pictures = false;
+    for (size_t i = 0; i < job->output_count; i++) {
+        const struct pel_output *output = &job->outputs[i];
+        if (output->draw != draw) {
+            continue;
+        }
+        if (!output->track &&
+            !(pel_format_of(output->format)->uses & PEL_FORMAT_PLANES)) {
+            return PEL_YCBCR_NONE;
+        }
+        video = video || output->track;
+        pictures = pictures || !output->track;
+    }
+    return video == pictures ? PEL_YCBCR_NONE
+           : video           ? PEL_YCBCR_VIDEO
+                             : PEL_YCBCR_JPEG;
+}
+
 /* Gives the renderer draws of one job; BUSY: none was taken. */
 static enum pel_err submit_some(struct pel_renderloop *loop,
                                 struct pel_job_draw *const *parts, size_t count)
@@ -233,7 +255,9 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
     int64_t begun_ns = pel_now_ns();
     pel_job_stand(job);
     for (size_t i = 0; i < count; i++) {
-        loop->draws[i] = job->draws[parts[i] - job->parts];
+        size_t draw = (size_t)(parts[i] - job->parts);
+        loop->draws[i] = job->draws[draw];
+        loop->draws[i].ycbcr = ycbcr_of(job, draw);
         bytes += parts[i]->bytes;
     }
     atomic_fetch_add(&loop->held_bytes, bytes);

@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "render/ycbcr.h"
 
 /* A buffer larger than this goes when so many pictures did not need it. */
 #define KEPT_BYTES (16u << 20)
@@ -265,7 +266,11 @@ struct pel_readback_slot *
 pel_readback_reserve(struct pel_readback *r,
                      const struct pel_readback_source *s)
 {
-    size_t ev_offset = align_up((size_t)s->width * s->height * 4);
+    const bool planes = s->ycbcr != PEL_YCBCR_NONE;
+    const struct pel_ycbcr_layout layout =
+        pel_ycbcr_layout(s->ycbcr, s->width, s->height);
+    size_t ev_offset =
+        align_up(planes ? layout.size : (size_t)s->width * s->height * 4);
     struct pel_readback_slot *slot = slot_of(r, s, ev_offset + 16);
     if (!slot) {
         return NULL;
@@ -275,8 +280,13 @@ pel_readback_reserve(struct pel_readback *r,
         .width = s->width,
         .height = s->height,
         .exposure_ev = s->exposure_ev,
-        .rgba = slot->map,
+        .rgba = planes ? NULL : slot->map,
+        .ycbcr = s->ycbcr,
     };
+    for (int i = 0; planes && i < layout.count; i++) {
+        slot->picture.planes[i] = slot->map + layout.offset[i];
+        slot->picture.strides[i] = (int)layout.stride[i];
+    }
     slot->ev_offset = ev_offset;
     slot->auto_exposure = s->auto_exposure;
     atomic_store_explicit(&slot->busy, true, memory_order_release);

@@ -31,6 +31,7 @@ struct pel_readback_source {
     uint32_t first_row, rows; /* that are read now */
     int x, y;                 /* where they begin in the textures */
     unsigned layers;
+    enum pel_ycbcr ycbcr; /* reserved: what shaders write */
     void *user;
     int64_t started_ns;
 };
@@ -52,8 +53,8 @@ pel_readback_reserve(struct pel_readback *r,
                      const struct pel_readback_source *s);
 void pel_readback_unreserve(struct pel_readback_slot *const slots[],
                             size_t count);
-/* Its buffer: colours, top row first, tightly packed, and at an offset in bytes
- * the EV100 (float). */
+/* Its buffer: colours, top row first, tightly packed, or planes, and at an
+ * offset in bytes the EV100 (float). */
 GLuint pel_readback_buffer(const struct pel_readback_slot *slot);
 size_t pel_readback_ev_offset(const struct pel_readback_slot *slot);
 /* What was given to write them is on its way: they are in flight in this order,

@@ -119,6 +119,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_programs_finish(&r->programs);
         pel_meter_finish(&r->meter);
         pel_together_finish(&r->together);
+        pel_ycbcr_finish(&r->ycbcr);
         pel_sensing_finish(&r->sensing);
         pel_prober_finish(&r->prober);
         pel_water_prober_finish(&r->water_prober);
@@ -323,9 +324,19 @@ static enum pel_err need_view(struct pel_renderer *r,
                               const struct pel_draw *draw,
                               struct pel_fault *fault)
 {
+    const bool planes = pel_view_ycbcr(r, draw) != PEL_YCBCR_NONE;
     if (pel_together_can(r, env, draw)) {
         enum pel_err err = pel_together_need(r, env, draw, fault);
         if (err != PEL_OK || !r->together.off) {
+            return err == PEL_OK && planes
+                       ? pel_ycbcr_need(&r->ycbcr, true, r->shader_dir, fault)
+                       : err;
+        }
+    }
+    if (planes) {
+        enum pel_err err =
+            pel_ycbcr_need(&r->ycbcr, false, r->shader_dir, fault);
+        if (err != PEL_OK) {
             return err;
         }
     }

@@ -117,12 +117,23 @@ int pel_layer_stride(const struct pel_layer_info *layer);
 /* Bytes a pixel takes in the buffers of these layers. */
 size_t pel_layer_bytes(unsigned layers);
 
+/* What a colour layer may come back as: its pixels, or planes of luma and of
+ * chroma at half of the resolution, BT.601, as libyuv makes them to the bit. */
+enum pel_ycbcr {
+    PEL_YCBCR_NONE,
+    PEL_YCBCR_JPEG,  /* full range; y, cb, cr */
+    PEL_YCBCR_VIDEO, /* studio range; y, pairs of cb and cr */
+};
+
 /* With camera.antialiasing light is the mean of pixels that outlines cut;
  * layers that are no light are always what their middles see. */
 struct pel_draw {
     struct pel_camera camera;
     unsigned layers; /* of enum pel_layer, at least one */
     void *user;      /* returned with the picture */
+    /* Planes will do where it is the only layer: devices that shade in compute
+     * make them, of whole pictures; others, and if in doubt, pixels. */
+    enum pel_ycbcr ycbcr;
     /* A band of the camera's picture, bit for bit as it is in the whole; a
      * multiple of PEL_BAND_ROWS, but for the last rows. 0 rows: all. */
     uint32_t first_row, rows;
@@ -148,7 +159,12 @@ struct pel_picture {
     void *user;
     uint32_t width, height;
     double exposure_ev;  /* EV100 used, also where it was automatic */
-    const uint8_t *rgba; /* 4 bytes a pixel, sRGB, alpha 255 */
+    const uint8_t *rgba; /* 4 bytes a pixel, sRGB, alpha 255; or NULL: */
+    /* y, cb, cr, or y, pairs and NULL, of whole blocks of 16x16 pixels: beyond
+     * the picture its last column and row again. */
+    enum pel_ycbcr ycbcr;
+    const uint8_t *planes[3];
+    int strides[3]; /* bytes from row to row */
     /* By PEL_AT_* and by name, pel_layer_stride floats a pixel; the fourth of
      * three is 1. What is made from the depth is NULL. */
     union {

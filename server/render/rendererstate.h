@@ -37,6 +37,7 @@
 #include "render/wakemap.h"
 #include "render/waterprobe.h"
 #include "render/wavefield.h"
+#include "render/ycbcr.h"
 
 struct pel_renderer {
     struct pel_context context;
@@ -67,6 +68,7 @@ struct pel_renderer {
     struct pel_programs programs;
     struct pel_meter meter;
     struct pel_together together;
+    struct pel_ycbcr_pass ycbcr;
     struct pel_sensing sensing;
     struct pel_prober prober;
     struct pel_water_prober water_prober;

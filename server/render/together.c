@@ -294,19 +294,45 @@ static void bind_rings(struct pel_renderer *r, size_t first[PEL_TOGETHER_MOST])
                       (GLsizeiptr)(end - from));
 }
 
+/* Whether any becomes planes: then the colours of all stay on the device until
+ * they are made. */
+static bool find_planes(const struct pel_renderer *r,
+                        struct pel_readback_slot *const slots[],
+                        struct pel_ycbcr_view planes[PEL_TOGETHER_MOST])
+{
+    const struct pel_together *t = &r->together;
+    bool any = false;
+    for (size_t i = 0; i < t->count; i++) {
+        const struct pel_draw *draw = &t->views[i].draw;
+        planes[i] = (struct pel_ycbcr_view){ .form = pel_view_ycbcr(r, draw),
+                                             .width = draw->camera.width,
+                                             .height = draw->camera.height,
+                                             .slot = slots[i] };
+        any = any || planes[i].form != PEL_YCBCR_NONE;
+    }
+    return any;
+}
+
 static void bind_views(struct pel_renderer *r,
-                       struct pel_readback_slot *const slots[])
+                       struct pel_readback_slot *const slots[],
+                       struct pel_ycbcr_view *planes)
 {
     const struct pel_together *t = &r->together;
     struct pel_block_together block = { 0 };
     size_t rings[PEL_TOGETHER_MOST];
     bind_rings(r, rings);
     for (size_t i = 0; i < t->count; i++) {
+        const struct pel_camera *c = &t->views[i].draw.camera;
         fill(&t->views[i], rings[i],
-             pel_readback_ev_offset(slots[i]) / sizeof(float),
+             planes ? (size_t)c->width * c->height
+                    : pel_readback_ev_offset(slots[i]) / sizeof(float),
              &block.together[i]);
     }
     pel_view_bind(r, PEL_BLOCK_VIEW, &block, sizeof block);
+    if (planes) {
+        pel_ycbcr_begin(&r->ycbcr, planes, t->count);
+        return;
+    }
     for (size_t i = 0; i < PEL_TOGETHER_MOST; i++) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER,
                          PEL_STORE_PICTURES + (GLuint)i,
@@ -443,7 +469,8 @@ static void mix_outlines(struct pel_renderer *r, const struct extent *all)
         pel_groups((int)all->pixels, (int)(CLEAR_COLUMNS * PEL_GROUP_LINE)), 1);
 }
 
-static struct pel_readback_source source_of(const struct pel_view_together *v,
+static struct pel_readback_source source_of(const struct pel_renderer *r,
+                                            const struct pel_view_together *v,
                                             int64_t started_ns)
 {
     const struct pel_camera *c = &v->draw.camera;
@@ -454,6 +481,7 @@ static struct pel_readback_source source_of(const struct pel_view_together *v,
         .height = c->height,
         .rows = c->height,
         .layers = v->draw.layers,
+        .ycbcr = pel_view_ycbcr(r, &v->draw),
         .user = v->draw.user,
         .started_ns = started_ns,
     };
@@ -467,7 +495,7 @@ static bool reserve(struct pel_renderer *r,
     int64_t started_ns = pel_now_ns();
     for (size_t i = 0; i < t->count; i++) {
         const struct pel_readback_source source =
-            source_of(&t->views[i], started_ns);
+            source_of(r, &t->views[i], started_ns);
         slots[i] = pel_readback_reserve(&r->readback, &source);
         if (!slots[i]) {
             pel_readback_unreserve(slots, i);
@@ -500,6 +528,7 @@ enum pel_err pel_together_draw(struct pel_renderer *r,
     struct pel_together *t = &r->together;
     const struct pel_view_together *last = &t->views[t->count - 1];
     struct pel_readback_slot *slots[PEL_TOGETHER_MOST] = { NULL };
+    struct pel_ycbcr_view planes[PEL_TOGETHER_MOST];
     const struct extent all = extent_of(t);
     if (!reserve(r, slots)) {
         return PEL_ERR_NO_MEMORY;
@@ -511,7 +540,8 @@ enum pel_err pel_together_draw(struct pel_renderer *r,
         pel_programs_of(&r->programs, env->sea);
     bind_eye(r, env);
     pel_view_bind_sea(r, env, &last->view.part);
-    bind_views(r, slots);
+    const bool any_planes = find_planes(r, slots, planes);
+    bind_views(r, slots, any_planes ? planes : NULL);
     pel_view_bind_wakes(r, env, &last->view);
     pel_stage_begin(&r->timing);
     find_surface(r, env, programs, &all);
@@ -524,6 +554,9 @@ enum pel_err pel_together_draw(struct pel_renderer *r,
     shade(r, env, programs, &all);
     if (all.outlines) {
         mix_outlines(r, &all);
+    }
+    if (any_planes) {
+        pel_ycbcr_end(&r->ycbcr, planes, t->count);
     }
     /* The next ones use the same memory. */
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_UNIFORM_BARRIER_BIT |

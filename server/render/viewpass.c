@@ -414,6 +414,24 @@ static enum pel_err draw_pixels(struct pel_renderer *r,
     return PEL_OK;
 }
 
+static enum pel_err read_planes(struct pel_renderer *r,
+                                const struct pel_readback_source *s)
+{
+    struct pel_readback_slot *slot = pel_readback_reserve(&r->readback, s);
+    if (!slot) {
+        return PEL_ERR_BUSY;
+    }
+    const struct pel_ycbcr_view view = {
+        .form = s->ycbcr, .width = s->width, .height = s->height, .slot = slot
+    };
+    pel_ycbcr_one(&r->ycbcr, r->targets.color, s->x, &view);
+    glCopyNamedBufferSubData(s->exposure, pel_readback_buffer(slot), 0,
+                             (GLintptr)pel_readback_ev_offset(slot), 16);
+    glMemoryBarrier(GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
+    pel_readback_send(&r->readback, &slot, 1);
+    return PEL_OK;
+}
+
 enum pel_err pel_view_draw(struct pel_renderer *r,
                            const struct pel_environment *env,
                            const struct pel_draw *draw)
@@ -437,7 +455,7 @@ enum pel_err pel_view_draw(struct pel_renderer *r,
                        band.rows, r->margin + border, env->stale);
     }
     pel_stage_end(&r->timing, PEL_STAGE_TONE);
-    const struct pel_readback_source source = {
+    struct pel_readback_source source = {
         .color_fbo = r->targets.color_fbo,
         .planes = r->targets.planes,
         .exposure = r->meter.exposure,
@@ -453,7 +471,10 @@ enum pel_err pel_view_draw(struct pel_renderer *r,
         .user = draw->user,
         .started_ns = started_ns,
     };
-    err = pel_readback_push(&r->readback, &source);
+    source.ycbcr = pel_view_ycbcr(r, draw);
+    err = source.ycbcr != PEL_YCBCR_NONE
+              ? read_planes(r, &source)
+              : pel_readback_push(&r->readback, &source);
     pel_stage_end(&r->timing, PEL_STAGE_READBACK);
     return err;
 }

@@ -290,3 +290,12 @@ void pel_view_bind_wakes(struct pel_renderer *r,
         pel_view_bind(r, PEL_BLOCK_WAKES, &block, sizeof block);
     }
 }
+
+enum pel_ycbcr pel_view_ycbcr(const struct pel_renderer *r,
+                              const struct pel_draw *draw)
+{
+    return r->programs.compute && draw->layers == PEL_LAYER_COLOR &&
+                   draw->rows == 0
+               ? draw->ycbcr
+               : PEL_YCBCR_NONE;
+}

@@ -117,4 +117,8 @@ void pel_view_bind_eye(struct pel_renderer *r,
                        const struct pel_environment *env,
                        const struct pel_view *v);
 
+/* What the colour of a draw comes back as. */
+enum pel_ycbcr pel_view_ycbcr(const struct pel_renderer *r,
+                              const struct pel_draw *draw);
+
 #endif

@@ -102,6 +102,7 @@ struct pel_uvec4 {
 #define PEL_UNIT_SPACE_ROUGH 55
 /* Of passes that do not shade, in places of the above. */
 #define PEL_UNIT_RADIANCE 0     /* tone */
+#define PEL_UNIT_COLORS 0       /* planes of luma and chroma */
 #define PEL_UNIT_AIRLIGHT 1     /* tables of the sky */
 #define PEL_UNIT_SKY_TABLE 2    /* light, water, reflection map */
 #define PEL_UNIT_WATER_PHASE 12 /* 12 to 14: maps of the water */
@@ -154,6 +155,7 @@ struct pel_uvec4 {
 #define PEL_STORE_STARS 2        /* of a view, as it is shaded */
 #define PEL_STORE_RADIANCE 6     /* of views that are drawn together */
 #define PEL_STORE_PICTURES 8     /* 8 to 15: their readback buffers */
+#define PEL_STORE_COLORS 0       /* of them, before their planes are made */
 #define PEL_STORE_SURROUNDINGS 2 /* the block, where it is written */
 
 /* Images of shading in compute: OpenGL promises eight. What more layers than
@@ -211,6 +213,11 @@ struct pel_uvec4 {
  * (docs/benchmarks.md). */
 #define PEL_GROUP_WIDE 32
 #define PEL_GROUP_LOW 2
+/* Of a picture from the device (render/ycbcr.h): pixels, full range in three
+ * planes, studio range in two. */
+#define PEL_YCBCR_FORM_NONE 0
+#define PEL_YCBCR_FORM_JPEG 1
+#define PEL_YCBCR_FORM_VIDEO 2
 
 /* Rings of the mesh that a crest hides at least where its outline is looked
  * for. With 1, four in five of the pixels that are looked at have none, which

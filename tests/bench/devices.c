@@ -2,7 +2,8 @@
  * daemon: pictures a second of views, by list of devices, and how busy its
  * threads are meanwhile, in cores.
  *
- *   bench_devices [--views 64] [--size 1280x720] [--codec jpeg|h264|none]
+ *   bench_devices [--views 64] [--size 1280x720]
+ *                 [--codec jpeg|h264|none|planes]
  *                 [--ask] [--threads N] [--seconds 4] [--lose N]
  *                 [--count N] LIST...
  *
@@ -13,7 +14,7 @@
  * of heap, descriptors and threads. --lose: the last device of each list
  * pretends to be lost every N pictures. --codec none: views are drawn and read
  * back by a thread a device and no more, frames 1/30 s apart, each device its
- * share of the views. */
+ * share of the views; planes: as JPEG's encoder takes them. */
 #include <dirent.h>
 #include <getopt.h>
 #include <malloc.h>
@@ -38,7 +39,7 @@
 static struct {
     int views, threads, lose;
     unsigned width, height;
-    bool h264, drawn, ask;
+    bool h264, drawn, planes, ask;
     double seconds;
     uint64_t count;
 } options = { .views = 64, .width = 1280, .height = 720, .seconds = 4 };
@@ -296,8 +297,10 @@ struct drawer {
 static uint64_t bits_of(const struct pel_picture *picture)
 {
     uint64_t bits = 0xcbf29ce484222325u;
-    for (size_t i = 0; i < 4 * (size_t)picture->width * picture->height; i++) {
-        bits = (bits ^ picture->rgba[i]) * 0x100000001b3u;
+    const uint8_t *bytes = picture->rgba ? picture->rgba : picture->planes[0];
+    size_t pixels = (size_t)picture->width * picture->height;
+    for (size_t i = 0; i < (picture->rgba ? 4 : 1) * pixels; i++) {
+        bits = (bits ^ bytes[i]) * 0x100000001b3u;
     }
     return bits;
 }
@@ -331,7 +334,10 @@ static void *draw_alone(void *argument)
         /* At once, as the daemon's render threads do. */
         struct pel_draw draws[PEL_MAX_VIEWS];
         for (int i = 0; i < self->views; i++) {
-            draws[i] = (struct pel_draw){ .layers = PEL_LAYER_COLOR };
+            draws[i] = (struct pel_draw){
+                .layers = PEL_LAYER_COLOR,
+                .ycbcr = options.planes ? PEL_YCBCR_JPEG : PEL_YCBCR_NONE,
+            };
             pel_snapshot_camera(s, first + (size_t)i, time_s, 0, 0,
                                 &draws[i].camera);
         }
@@ -518,7 +524,8 @@ static void read_options(int argc, char **argv)
             break;
         case 'c':
             options.h264 = strcmp(optarg, "h264") == 0;
-            options.drawn = strcmp(optarg, "none") == 0;
+            options.planes = strcmp(optarg, "planes") == 0;
+            options.drawn = strcmp(optarg, "none") == 0 || options.planes;
             break;
         case 't':
             options.seconds = strtod(optarg, NULL);

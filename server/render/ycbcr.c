@@ -1,0 +1,128 @@
+#include "render/ycbcr.h"
+
+#include "render/shader.h"
+
+#define BLOCK 16u      /* of JPEG, and of H.264 */
+#define ALIGN 256u     /* of parts of storage buffers */
+#define WIDE_PIXELS (4u * PEL_GROUP_LINE) /* of a group, in two rows */
+#define KEPT_BYTES ((size_t)32 << 20)
+
+_Static_assert((int)PEL_YCBCR_NONE == PEL_YCBCR_FORM_NONE &&
+                   (int)PEL_YCBCR_JPEG == PEL_YCBCR_FORM_JPEG &&
+                   (int)PEL_YCBCR_VIDEO == PEL_YCBCR_FORM_VIDEO,
+               "shaders know them by these numbers");
+
+static size_t round_up(size_t n, size_t to)
+{
+    return (n + to - 1) / to * to;
+}
+
+struct pel_ycbcr_layout pel_ycbcr_layout(enum pel_ycbcr form, uint32_t width,
+                                         uint32_t height)
+{
+    size_t wide = round_up(width, BLOCK), high = round_up(height, BLOCK);
+    size_t luma = wide * high;
+    size_t chroma = form == PEL_YCBCR_VIDEO ? wide : wide / 2;
+    return (struct pel_ycbcr_layout){
+        .count = form == PEL_YCBCR_VIDEO ? 2 : 3,
+        .stride = { wide, chroma, chroma },
+        .offset = { 0, luma, luma + luma / 4 },
+        .size = luma * 3 / 2,
+    };
+}
+
+enum pel_err pel_ycbcr_need(struct pel_ycbcr_pass *p, bool together,
+                            const char *shader_dir, struct pel_fault *fault)
+{
+    GLuint *program = together ? &p->together : &p->one;
+    return *program ? PEL_OK
+                    : pel_program_create(shader_dir, "ycbcr.comp", NULL,
+                                         together ? "#define PEL_TOGETHER\n"
+                                                  : NULL,
+                                         program, fault);
+}
+
+void pel_ycbcr_finish(struct pel_ycbcr_pass *p)
+{
+    glDeleteProgram(p->one);
+    glDeleteProgram(p->together);
+    glDeleteBuffers(1, &p->colors);
+    *p = (struct pel_ycbcr_pass){ 0 };
+}
+
+static size_t pixel_bytes(const struct pel_ycbcr_view *v)
+{
+    return (size_t)v->width * v->height * 4;
+}
+
+void pel_ycbcr_begin(struct pel_ycbcr_pass *p, struct pel_ycbcr_view *views,
+                     size_t count)
+{
+    size_t size = 0;
+    for (size_t i = 0; i < count; i++) {
+        views[i].at = size;
+        size += round_up(pixel_bytes(&views[i]) + sizeof(float), ALIGN);
+    }
+    if (size > p->capacity ||
+        (p->capacity > KEPT_BYTES && size < p->capacity / 4)) {
+        glDeleteBuffers(1, &p->colors);
+        glCreateBuffers(1, &p->colors);
+        glNamedBufferStorage(p->colors, (GLsizeiptr)size, NULL, 0);
+        glObjectLabel(GL_BUFFER, p->colors, -1, "colours together");
+        p->capacity = size;
+    }
+    for (size_t i = 0; i < PEL_TOGETHER_MOST; i++) {
+        const struct pel_ycbcr_view *v = &views[i < count ? i : 0];
+        glBindBufferRange(GL_SHADER_STORAGE_BUFFER,
+                          PEL_STORE_PICTURES + (GLuint)i, p->colors,
+                          (GLintptr)v->at,
+                          (GLsizeiptr)(pixel_bytes(v) + sizeof(float)));
+    }
+}
+
+static void dispatch(const struct pel_ycbcr_view *views, size_t count)
+{
+    uint32_t width = 1, height = 1;
+    for (size_t i = 0; i < count; i++) {
+        width = views[i].width > width ? views[i].width : width;
+        height = views[i].height > height ? views[i].height : height;
+    }
+    glDispatchCompute((GLuint)(round_up(width, WIDE_PIXELS) / WIDE_PIXELS),
+                      (GLuint)(round_up(height, BLOCK) / 2), (GLuint)count);
+}
+
+void pel_ycbcr_end(struct pel_ycbcr_pass *p, const struct pel_ycbcr_view *views,
+                   size_t count)
+{
+    GLuint of[PEL_TOGETHER_MOST][4] = { 0 }, forms[PEL_TOGETHER_MOST] = { 0 };
+    for (size_t i = 0; i < PEL_TOGETHER_MOST; i++) {
+        const struct pel_ycbcr_view *v = &views[i < count ? i : 0];
+        of[i][0] = v->width;
+        of[i][1] = v->height;
+        of[i][2] = (GLuint)(v->at / 4);
+        of[i][3] = (GLuint)(pel_readback_ev_offset(v->slot) / 4);
+        forms[i] = (GLuint)v->form;
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER,
+                         PEL_STORE_PICTURES + (GLuint)i,
+                         pel_readback_buffer(v->slot));
+    }
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_COLORS, p->colors);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    glUseProgram(p->together);
+    glUniform4uiv(0, (GLsizei)count, of[0]);
+    glUniform1uiv(PEL_TOGETHER_MOST, (GLsizei)count, forms);
+    dispatch(views, count);
+}
+
+void pel_ycbcr_one(struct pel_ycbcr_pass *p, GLuint colors, int aside,
+                   const struct pel_ycbcr_view *view)
+{
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_PICTURES,
+                     pel_readback_buffer(view->slot));
+    glBindTextureUnit(PEL_UNIT_COLORS, colors);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+    glUseProgram(p->one);
+    glUniform4ui(0, view->width, view->height, (GLuint)aside, 0);
+    glUniform1ui(PEL_TOGETHER_MOST, (GLuint)view->form);
+    dispatch(view, 1);
+}
