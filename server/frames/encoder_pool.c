@@ -16,14 +16,22 @@
 struct encoder {
     struct pel_encoder_pool *pool;
     pthread_t thread;
-    pthread_mutex_t lock;       /* protects at_work; after the pool's */
+    struct encoder *next; /* of the idle; the pool's lock protects it */
+    bool slow;            /* its work is; the pool's lock protects it */
+    pthread_mutex_t lock; /* protects what follows; after the pool's */
+    pthread_cond_t wake;
+    struct pel_mail *handed;    /* its next work; NULL: it waits */
     struct pel_output *at_work; /* NULL: none */
 };
 
+/* Work is handed to the encoder that was busy last, whose memory is still in a
+ * cache, and nobody else wakes up; it comes back to the pool's lock when it has
+ * done it. */
 struct pel_encoder_pool {
-    pthread_mutex_t lock; /* protects the queues, slow_busy, count, ended */
-    pthread_cond_t work;
+    pthread_mutex_t lock; /* protects what follows, down to ended */
+    pthread_cond_t over;
     struct pel_queue fast, slow;
+    struct encoder *idle; /* the last one first */
     int slow_busy;
     int count, ended;
     struct encoder encoders[PEL_MAX_ENCODERS];
@@ -262,66 +270,105 @@ static struct pel_mail *take(struct pel_encoder_pool *pool, bool *slow)
     return mail;
 }
 
-/* The encoder is free for its next picture, or ends with this one. Each mail
- * that names a track holds a reference to it. */
-static void free_track(struct pel_encoder_pool *pool, struct pel_track *track)
-{
-    if (track) {
-        pthread_mutex_lock(&pool->lock);
-        track->busy = false;
-        bool more = pool->fast.first != NULL;
-        pthread_mutex_unlock(&pool->lock);
-        if (more) {
-            pthread_cond_signal(&pool->work);
-        }
-        pel_track_unref(track);
-    }
-}
-
-/* Has the pool's lock: what is taken is in a queue or at work. */
-static void note_work(struct encoder *encoder, struct pel_mail *mail)
+static void set_work(struct encoder *encoder, struct pel_mail *mail)
 {
     pthread_mutex_lock(&encoder->lock);
+    encoder->handed = mail;
     encoder->at_work =
         mail->kind == PEL_MAIL_OUTPUT ? (struct pel_output *)mail : NULL;
     pthread_mutex_unlock(&encoder->lock);
 }
 
-/* Has the lock. */
+/* To be woken when the pool's lock is let go. */
+struct woken {
+    int count;
+    struct encoder *encoder[PEL_MAX_ENCODERS];
+};
+
+/* Under the pool's lock: gives the idle what there is to do. */
+static void assign(struct pel_encoder_pool *pool, struct woken *woken)
+{
+    woken->count = 0;
+    while (pool->idle && !atomic_load(&pool->stop)) {
+        struct encoder *encoder = pool->idle;
+        struct pel_mail *mail = take(pool, &encoder->slow);
+        if (!mail) {
+            break;
+        }
+        pool->idle = encoder->next;
+        woken->encoder[woken->count++] = encoder;
+        set_work(encoder, mail);
+    }
+}
+
+static void wake(const struct woken *woken)
+{
+    for (int i = 0; i < woken->count; i++) {
+        pthread_cond_signal(&woken->encoder[i]->wake);
+    }
+}
+
+/* NULL: all ends. */
+static struct pel_mail *wait_handed(struct encoder *encoder)
+{
+    pthread_mutex_lock(&encoder->lock);
+    while (!encoder->handed && !atomic_load(&encoder->pool->stop)) {
+        pthread_cond_wait(&encoder->wake, &encoder->lock);
+    }
+    struct pel_mail *mail = encoder->handed;
+    encoder->handed = NULL;
+    pthread_mutex_unlock(&encoder->lock);
+    return mail;
+}
+
+/* After work for `track` (NULL: for none), whose encoder is free for its next
+ * picture now. Each mail that names a track holds a reference to it. */
+static struct pel_mail *next_work(struct encoder *encoder,
+                                  struct pel_track *track)
+{
+    struct pel_encoder_pool *pool = encoder->pool;
+    struct woken woken;
+    pthread_mutex_lock(&pool->lock);
+    if (track) {
+        track->busy = false;
+    }
+    pool->slow_busy -= encoder->slow;
+    encoder->slow = false;
+    if (!atomic_load(&pool->stop)) {
+        encoder->next = pool->idle;
+        pool->idle = encoder;
+    }
+    assign(pool, &woken);
+    pthread_mutex_unlock(&pool->lock);
+    wake(&woken);
+    pel_track_unref(track);
+    return wait_handed(encoder);
+}
+
 static void end(struct pel_encoder_pool *pool)
 {
+    pthread_mutex_lock(&pool->lock);
     pool->ended++;
-    pthread_cond_broadcast(&pool->work);
+    pthread_cond_broadcast(&pool->over);
+    pthread_mutex_unlock(&pool->lock);
 }
 
 static void *run(void *argument)
 {
     struct encoder *encoder = argument;
     struct pel_encoder_pool *pool = encoder->pool;
-    pthread_mutex_lock(&pool->lock);
-    while (!atomic_load(&pool->stop)) {
-        bool slow;
-        struct pel_mail *mail = take(pool, &slow);
-        if (!mail) {
-            pthread_cond_wait(&pool->work, &pool->lock);
-            continue;
-        }
-        struct pel_track *track = track_of(mail);
-        note_work(encoder, mail);
-        pthread_mutex_unlock(&pool->lock);
+    struct pel_mail *mail;
+    struct pel_track *track = NULL;
+    while ((mail = next_work(encoder, track))) {
+        track = track_of(mail);
         if (mail->kind == PEL_MAIL_OUTPUT) {
             encode_output(encoder, (struct pel_output *)mail);
         } else if (mail->kind == PEL_MAIL_OPTICS) {
             pel_optics_reference((struct pel_optics_query *)mail);
             pel_mailbox_post(pool->box, mail);
         }
-        free_track(pool, track);
-        pthread_mutex_lock(&pool->lock);
-        /* This thread takes what waits; others were woken for the rest. */
-        pool->slow_busy -= slow;
     }
     end(pool);
-    pthread_mutex_unlock(&pool->lock);
     return NULL;
 }
 
@@ -338,13 +385,14 @@ enum pel_err pel_encoder_pool_create(
     pool->released = released;
     pool->user = user;
     pel_lock_init(&pool->lock);
-    pel_cond_init(&pool->work);
+    pel_cond_init(&pool->over);
     threads = threads > PEL_MAX_ENCODERS ? PEL_MAX_ENCODERS : threads;
     pthread_mutex_lock(&pool->lock);
     for (int i = 0; i < threads; i++) {
         struct encoder *encoder = &pool->encoders[i];
         encoder->pool = pool;
         pel_lock_init(&encoder->lock);
+        pthread_cond_init(&encoder->wake, NULL);
         if (pthread_create(&encoder->thread, NULL, run, encoder) != 0) {
             break;
         }
@@ -372,10 +420,10 @@ bool pel_encoder_pool_stop(struct pel_encoder_pool *pool)
         if (encoder->at_work) {
             atomic_store(&encoder->at_work->cancel, true);
         }
+        pthread_cond_signal(&encoder->wake);
         pthread_mutex_unlock(&encoder->lock);
     }
-    pthread_cond_broadcast(&pool->work);
-    bool ended = pel_cond_wait_ended(&pool->work, &pool->lock, &pool->ended,
+    bool ended = pel_cond_wait_ended(&pool->over, &pool->lock, &pool->ended,
                                      pool->count, STOP_NS);
     pthread_mutex_unlock(&pool->lock);
     for (int i = 0; ended && i < pool->count; i++) {
@@ -395,8 +443,9 @@ void pel_encoder_pool_destroy(struct pel_encoder_pool *pool)
         }
         for (int i = 0; i < pool->count; i++) {
             pthread_mutex_destroy(&pool->encoders[i].lock);
+            pthread_cond_destroy(&pool->encoders[i].wake);
         }
-        pthread_cond_destroy(&pool->work);
+        pthread_cond_destroy(&pool->over);
         pthread_mutex_destroy(&pool->lock);
         free(pool);
     }
@@ -405,10 +454,12 @@ void pel_encoder_pool_destroy(struct pel_encoder_pool *pool)
 static void push(struct pel_encoder_pool *pool, struct pel_queue *queue,
                  struct pel_mail *mail)
 {
+    struct woken woken;
     pthread_mutex_lock(&pool->lock);
     pel_queue_push(queue, mail);
+    assign(pool, &woken);
     pthread_mutex_unlock(&pool->lock);
-    pthread_cond_signal(&pool->work);
+    wake(&woken);
 }
 
 void pel_encoder_pool_push_output(struct pel_encoder_pool *pool,

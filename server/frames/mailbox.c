@@ -1,9 +1,9 @@
 #include "frames/mailbox.h"
 
 #include "base/clock.h"
-#include "base/lock.h"
 #include "base/watch.h"
 
+#include <stdatomic.h>
 #include <time.h>
 
 void pel_queue_push(struct pel_queue *queue, struct pel_mail *mail)
@@ -85,18 +85,35 @@ GSource *pel_alarm_create(GMainContext *context, const char *name,
 
 /* --- mailbox ------------------------------------------------------------- */
 
+/* Everything that was posted, the oldest first, behind what waits. */
+static void fetch(struct pel_mailbox *box)
+{
+    struct pel_mail *newest = atomic_exchange(&box->posted, NULL);
+    struct pel_mail *oldest = NULL;
+    while (newest) {
+        struct pel_mail *before = newest->next;
+        newest->next = oldest;
+        oldest = newest;
+        newest = before;
+    }
+    while (oldest) {
+        struct pel_mail *after = oldest->next;
+        pel_queue_push(&box->queue, oldest);
+        oldest = after;
+    }
+}
+
 static void receive_all(void *user)
 {
     struct pel_mailbox *box = user;
-    for (;;) {
-        pthread_mutex_lock(&box->lock);
-        struct pel_mail *mail = pel_queue_pop(&box->queue);
-        pthread_mutex_unlock(&box->lock);
-        if (!mail) {
-            return;
+    struct pel_mail *mail;
+    do {
+        fetch(box);
+        mail = pel_queue_pop(&box->queue);
+        if (mail) {
+            box->receive(box->user, mail);
         }
-        box->receive(box->user, mail);
-    }
+    } while (mail);
 }
 
 void pel_mailbox_init(struct pel_mailbox *box, GMainContext *context,
@@ -104,7 +121,6 @@ void pel_mailbox_init(struct pel_mailbox *box, GMainContext *context,
                       void *user)
 {
     *box = (struct pel_mailbox){ .receive = receive, .user = user };
-    pel_lock_init(&box->lock);
     box->source = pel_alarm_create(context, "frames mailbox", receive_all, box);
 }
 
@@ -113,16 +129,16 @@ void pel_mailbox_finish(struct pel_mailbox *box)
     if (box->source) {
         g_source_destroy(box->source);
         g_source_unref(box->source);
-        pthread_mutex_destroy(&box->lock);
         box->source = NULL;
     }
 }
 
 void pel_mailbox_post(struct pel_mailbox *box, struct pel_mail *mail)
 {
-    pthread_mutex_lock(&box->lock);
-    pel_queue_push(&box->queue, mail);
-    pthread_mutex_unlock(&box->lock);
+    struct pel_mail *before = atomic_load(&box->posted);
+    do {
+        mail->next = before;
+    } while (!atomic_compare_exchange_weak(&box->posted, &before, mail));
     g_source_set_ready_time(box->source, 0);
 }
 

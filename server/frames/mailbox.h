@@ -14,15 +14,16 @@ struct pel_queue {
 void pel_queue_push(struct pel_queue *queue, struct pel_mail *mail);
 struct pel_mail *pel_queue_pop(struct pel_queue *queue); /* NULL: empty */
 
-/* From any thread to the control thread. */
+/* From any thread to the control thread, which waits for nobody. */
 struct pel_mailbox {
-    pthread_mutex_t lock; /* protects queue */
-    struct pel_queue queue;
+    _Atomic(struct pel_mail *) posted; /* newest first */
+    struct pel_queue queue;            /* control thread: what was posted */
     GSource *source;
     void (*receive)(void *user, struct pel_mail *mail);
     void *user;
 };
-/* `receive` runs in `context` for every mail, in order of posting. */
+/* `receive` runs in `context` for every mail, in order of posting; it may end
+ * the mailbox. */
 void pel_mailbox_init(struct pel_mailbox *box, GMainContext *context,
                       void (*receive)(void *user, struct pel_mail *mail),
                       void *user);
