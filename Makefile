@@ -73,6 +73,9 @@ WARN := -Wno-psabi -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototyp
 OPT_release := -O2 -g
 OPT_asan := -O1 -g -fsanitize=address,undefined -fno-omit-frame-pointer
 OPT_tsan := -O1 -g -fsanitize=thread
+# GLib built for the checker (packaging/tsan_glib.sh), of the libraries too.
+LINK_tsan = -Wl,--disable-new-dtags,-rpath,$(TSAN_GLIB)/lib
+TSAN_GLIB = $(CURDIR)/build/tsan/glib
 OPT_fuzz := -O1 -g -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
 OPT_cover := -O1 -g -fsanitize=fuzzer-no-link -fprofile-instr-generate -fcoverage-mapping
 ifneq ($(filter fuzz cover,$(FLAVOR)),)
@@ -165,7 +168,7 @@ compile = $(CC) $(OUR_CPPFLAGS) $(PKG_CFLAGS) $(OUR_CFLAGS) $(FLAGS_$(1)) $(CPPF
 
 # What decides about an object beside its sources.
 quoted = '$(subst ','\'',$(1))'
-KEY := $(shell printf %s $(call quoted,$(CC) $(OUR_CPPFLAGS) $(OUR_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS) $(VECTORS) \
+KEY := $(shell printf %s $(call quoted,$(CC) $(OUR_CPPFLAGS) $(OUR_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS)$(LINK_$(FLAVOR)) $(VECTORS) \
     $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(SPECTRUM_PKGS) $(MODEL_PKGS)) | sha1sum | cut -c 1-10)
 OBJ := $(O)/obj-$(KEY)
 
@@ -199,7 +202,7 @@ build/%: $(O)/bin/%
 define LINK
 $(Q)mkdir -p $(@D)
 @echo "  LINK  $@"
-$(Q)$(CC) $(OPT) $(CFLAGS) $(LDFLAGS) -pthread -Wl,--as-needed -o $@ $(filter %.o %.a,$^)
+$(Q)$(CC) $(OPT) $(CFLAGS) $(LDFLAGS) $(LINK_$(FLAVOR)) -pthread -Wl,--as-needed -o $@ $(filter %.o %.a,$^)
 endef
 $(O)/flags: FORCE
 	$(Q)mkdir -p $(@D); [ "$$(cat $@ 2>/dev/null)" = $(KEY) ] || echo $(KEY) >$@
@@ -479,22 +482,18 @@ cluster-check: deps ## one exercise on machines in namespaces: losses, kills, cu
 mutate: deps ## break MUTANTS (200) lines at random, see which tests notice (SEED=1 ROOMS='ocean …')
 	$(Q)tests/mutate --mutants $(or $(MUTANTS),200) --seed $(or $(SEED),1) $(ROOMS)
 
+# Of the end-to-end tests those that start programs of the build.
+E2E_OF_BUILD = $(shell grep -lE 'pelagos_daemon|PELAGOS_BIN' $(E2E))
 .PHONY: asan
-asan: deps ## unit tests and a short end-to-end run under ASan and UBSan
+asan: deps ## every test of our programs under ASan, UBSan and LSan (TESTED='…': those)
 	$(Q)$(MAKE) -s --no-print-directory FLAVOR=asan all tests
-	$(Q)ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1 \
-	    LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
-	    UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 \
-	    PELAGOS_BIN=$(CURDIR)/build/asan/bin \
-	    tests/run $(patsubst $(O)/%,build/asan/%,$(TEST_BIN)) \
-	    tests/ctl_test.sh tests/daemon_test.sh tests/starve_test.py
+	$(Q)tests/sanitized asan $(or $(TESTED),$(patsubst $(O)/%,build/asan/%,$(TEST_BIN)) $(E2E_OF_BUILD))
 
-THREADED := $(addprefix build/tsan/bin/,fields_test frames_test \
-    frames_live_test submit_test)
 .PHONY: tsan
-tsan: deps ## the tests with threads under ThreadSanitizer
-	$(Q)$(MAKE) -s --no-print-directory FLAVOR=tsan $(THREADED)
-	$(Q)TSAN_OPTIONS=suppressions=tests/tsan.supp tests/run $(THREADED)
+tsan: deps ## the same under ThreadSanitizer, beside a GLib built for it
+	$(Q)packaging/tsan_glib.sh $(TSAN_GLIB)
+	$(Q)$(MAKE) -s --no-print-directory FLAVOR=tsan all tests
+	$(Q)tests/sanitized tsan $(or $(TESTED),$(patsubst $(O)/%,build/tsan/%,$(TEST_BIN)) $(E2E_OF_BUILD))
 
 comma := ,
 

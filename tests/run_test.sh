@@ -169,6 +169,41 @@ expect '1 passed, 1 failed, 0 skipped'
 
 end=$(TEST_TIMEOUT=1 tests/run "$work/hangs" 2>&1 | tail -n 2)
 expect 'FAILED: hangs (stopped after 1 s) — waiting for the tide'
+
+# Reports of sanitizers count, of UBSan beside ASan too, even where a test
+# throws away what a program says and does not look at how it ends.
+cat >"$work/unsound.c" <<'END'
+#include <stdlib.h>
+int main(int count, char **words)
+{
+    static char *volatile kept;
+    static volatile int most = 0x7fffffff;
+    kept = malloc(7);
+    kept[count == 2 ? 7 : 0] = words[0][0];
+    most += count == 3;
+    kept = NULL;
+    return 0;
+}
+END
+"${CC:-gcc}" -D_GNU_SOURCE -g -fsanitize=address,undefined "$work/unsound.c" \
+    tests/lib/loading.c -o "$work/unsound"
+make_test ignores <<END
+for words in "" "1" "1 2"; do
+    '$work/unsound' \$words >/dev/null 2>&1
+done
+exit 0
+END
+said=$(tests/sanitized asan "$work"/{fine,ignores} 2>&1)
+[ $? -eq 1 ] || { echo 'FAILED: reports do not fail'; failed=1; }
+end=$said
+expect '2 passed, 0 failed, 0 skipped'
+expect 'LeakSanitizer: detected memory leaks'
+expect 'heap-buffer-overflow'
+expect 'runtime error: signed integer overflow'
+expect '2 tests under asan: 3 reports'
+end=$(tests/sanitized asan "$work"/fine 2>&1 && echo passed)
+expect '1 tests under asan: 0 reports'
+expect 'passed'
 if [ $failed -ne 0 ]; then
     echo "$end"
 fi

@@ -426,8 +426,12 @@ bool pel_encoder_pool_stop(struct pel_encoder_pool *pool)
     bool ended = pel_cond_wait_ended(&pool->over, &pool->lock, &pool->ended,
                                      pool->count, STOP_NS);
     pthread_mutex_unlock(&pool->lock);
-    for (int i = 0; ended && i < pool->count; i++) {
-        pthread_join(pool->encoders[i].thread, NULL);
+    for (int i = 0; i < pool->count; i++) {
+        if (ended) {
+            pthread_join(pool->encoders[i].thread, NULL);
+        } else {
+            pthread_detach(pool->encoders[i].thread);
+        }
     }
     return ended;
 }

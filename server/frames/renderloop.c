@@ -894,6 +894,8 @@ bool pel_renderloop_stop(struct pel_renderloop *loop)
     if (ended) {
         pthread_join(loop->thread, NULL);
         loop->joined = true;
+    } else {
+        pthread_detach(loop->thread); /* it is left to itself */
     }
     return ended;
 }

@@ -229,8 +229,12 @@ bool pel_surface_pool_stop(struct pel_surface_pool *self)
     bool ended = pel_cond_wait_ended(&self->over, &self->lock, &self->ended,
                                      self->count, STOP_NS);
     pthread_mutex_unlock(&self->lock);
-    for (int i = 0; ended && i < self->count; i++) {
-        pthread_join(self->threads[i], NULL);
+    for (int i = 0; i < self->count; i++) {
+        if (ended) {
+            pthread_join(self->threads[i], NULL);
+        } else {
+            pthread_detach(self->threads[i]);
+        }
     }
     return ended;
 }

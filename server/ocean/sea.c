@@ -488,7 +488,11 @@ enum pel_err pel_sea_build(const struct pel_sea_desc *desc, struct pel_sea *out)
     out->desc = *desc;
     out->desc.direction_rad = remainder(desc->direction_rad, 2.0 * PEL_PI);
     enum pel_err err = build_waves(desc, out);
-    return err ? err : pel_foam_create(out, &out->foam);
+    err = err ? err : pel_foam_create(out, &out->foam);
+    if (err) {
+        pel_sea_finish(out);
+    }
+    return err;
 }
 
 enum pel_err pel_sea_lay(struct pel_sea *sea,

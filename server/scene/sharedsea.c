@@ -23,6 +23,9 @@ static enum pel_err build(struct pel_shared_sea *sea)
             .beyond_m = sea->laid.beyond_m,
         };
         err = pel_sea_lay(&sea->sea, &bottom);
+        if (err) {
+            pel_sea_finish(&sea->sea);
+        }
     }
     return err;
 }

@@ -4,7 +4,12 @@
  * comes. Its stack would tell as much, but only an unwinder of whole stacks
  * sees so far, and that one can stand still beside Mesa's compiler, since it
  * allocates under the lock that the unwinding of this allocation takes. */
+#include <dlfcn.h>
+#include <sanitizer/common_interface_defs.h>
 #include <sanitizer/lsan_interface.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 static void begin_loading(void)
 {
@@ -18,4 +23,28 @@ __attribute__((section(".preinit_array"),
 __attribute__((constructor(101))) static void end_loading(void)
 {
     __lsan_enable();
+}
+
+/* Both runtimes export how to say where reports go, so the call that UBSan's
+ * makes of its own ends in ASan's, and its reports go to stderr, which a test
+ * may throw away. */
+__attribute__((constructor(102))) static void tell_ubsan_where(void)
+{
+    const char *options = getenv("UBSAN_OPTIONS");
+    const char *path = options ? strstr(options, "log_path=") : NULL;
+    void *ubsan = dlopen("libubsan.so.1", RTLD_LAZY | RTLD_NOLOAD);
+    if (path && ubsan) {
+        void (*set)(const char *);
+        *(void **)&set = dlsym(ubsan, "__sanitizer_set_report_path");
+        char until_colon[1024];
+        path += strlen("log_path=");
+        snprintf(until_colon, sizeof until_colon, "%.*s",
+                 (int)strcspn(path, ":"), path);
+        if (set) {
+            set(until_colon);
+        }
+    }
+    if (ubsan) {
+        dlclose(ubsan);
+    }
 }
