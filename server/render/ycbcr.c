@@ -2,8 +2,8 @@
 
 #include "render/shader.h"
 
-#define BLOCK 16u      /* of JPEG, and of H.264 */
-#define ALIGN 256u     /* of parts of storage buffers */
+#define BLOCK 16u                         /* of JPEG, and of H.264 */
+#define ALIGN 256u                        /* of parts of storage buffers */
 #define WIDE_PIXELS (4u * PEL_GROUP_LINE) /* of a group, in two rows */
 #define KEPT_BYTES ((size_t)32 << 20)
 
@@ -35,11 +35,11 @@ enum pel_err pel_ycbcr_need(struct pel_ycbcr_pass *p, bool together,
                             const char *shader_dir, struct pel_fault *fault)
 {
     GLuint *program = together ? &p->together : &p->one;
-    return *program ? PEL_OK
-                    : pel_program_create(shader_dir, "ycbcr.comp", NULL,
-                                         together ? "#define PEL_TOGETHER\n"
-                                                  : NULL,
-                                         program, fault);
+    return *program
+               ? PEL_OK
+               : pel_program_create(shader_dir, "ycbcr.comp", NULL,
+                                    together ? "#define PEL_TOGETHER\n" : NULL,
+                                    program, fault);
 }
 
 void pel_ycbcr_finish(struct pel_ycbcr_pass *p)
@@ -73,10 +73,9 @@ void pel_ycbcr_begin(struct pel_ycbcr_pass *p, struct pel_ycbcr_view *views,
     }
     for (size_t i = 0; i < PEL_TOGETHER_MOST; i++) {
         const struct pel_ycbcr_view *v = &views[i < count ? i : 0];
-        glBindBufferRange(GL_SHADER_STORAGE_BUFFER,
-                          PEL_STORE_PICTURES + (GLuint)i, p->colors,
-                          (GLintptr)v->at,
-                          (GLsizeiptr)(pixel_bytes(v) + sizeof(float)));
+        glBindBufferRange(
+            GL_SHADER_STORAGE_BUFFER, PEL_STORE_PICTURES + (GLuint)i, p->colors,
+            (GLintptr)v->at, (GLsizeiptr)(pixel_bytes(v) + sizeof(float)));
     }
 }
 
