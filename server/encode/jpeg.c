@@ -338,12 +338,11 @@ enum pel_err pel_jpeg_encode(const struct pel_encode_input *in,
     uint32_t rows = as_it_is ? ROWS : (height + ROWS - 1) / ROWS * ROWS;
     enum pel_err err = reserve(compressor, width, height, rows, &planes);
     if (err == PEL_OK && !as_it_is) {
-        err = in->rgba
-                  ? pel_planes_fill(in->rgba, (int)in->width * 4, in->width,
-                                    in->height, true, &compressor->between,
-                                    &planes)
-                  : pel_planes_take(in->planes, true, &compressor->between,
-                                    &planes);
+        err = in->rgba ? pel_planes_fill(in->rgba, (int)in->width * 4,
+                                         in->width, in->height, true,
+                                         &compressor->between, &planes)
+                       : pel_planes_take(in->planes, true, &compressor->between,
+                                         &planes);
         extend_all(&planes, height, rows);
     } else if (!in->rgba) {
         planes = writable(in->planes);

@@ -158,8 +158,7 @@ enum pel_err pel_planes_take(const struct pel_planes_given *from, bool scaled,
     if ((from->v && !out->v) || from->width - 1 >= MAX_SIZE ||
         from->height - 1 >= MAX_SIZE || out->width - 1 >= MAX_SIZE ||
         out->height - 1 >= MAX_SIZE ||
-        (!scaled &&
-         (out->width > from->width || out->height > from->height))) {
+        (!scaled && (out->width > from->width || out->height > from->height))) {
         return PEL_ERR_INVALID;
     }
     if (!scaled) {

@@ -235,12 +235,11 @@ static bool convert(struct pel_video *video, const struct pel_video_picture *p,
     };
     bool scaled = p->out_width != 0;
     enum pel_err err =
-        p->rgba
-            ? pel_planes_fill(p->rgba, (int)p->width * 4,
-                              scaled ? p->width : video->width,
-                              scaled ? p->height : video->height, false,
-                              &video->scratch, &out)
-            : pel_planes_take(p->planes, scaled, &video->scratch, &out);
+        p->rgba ? pel_planes_fill(p->rgba, (int)p->width * 4,
+                                  scaled ? p->width : video->width,
+                                  scaled ? p->height : video->height, false,
+                                  &video->scratch, &out)
+                : pel_planes_take(p->planes, scaled, &video->scratch, &out);
     gst_video_frame_unmap(&frame);
     return err == PEL_OK;
 }
@@ -496,10 +495,11 @@ enum pel_err pel_video_encode(struct pel_video *video,
     fault = fault ? fault : &own;
     *out = (struct pel_bytes){ 0 };
     *key = false;
-    if ((!picture->rgba && !picture->planes) || picture->width == 0 || picture->height == 0 ||
-        full_width < PEL_VIDEO_MIN_SIZE || full_height < PEL_VIDEO_MIN_SIZE ||
-        full_width > PEL_VIDEO_MAX_SIZE || full_height > PEL_VIDEO_MAX_SIZE ||
-        kbps < PEL_VIDEO_MIN_KBPS || kbps > PEL_VIDEO_MAX_KBPS) {
+    if ((!picture->rgba && !picture->planes) || picture->width == 0 ||
+        picture->height == 0 || full_width < PEL_VIDEO_MIN_SIZE ||
+        full_height < PEL_VIDEO_MIN_SIZE || full_width > PEL_VIDEO_MAX_SIZE ||
+        full_height > PEL_VIDEO_MAX_SIZE || kbps < PEL_VIDEO_MIN_KBPS ||
+        kbps > PEL_VIDEO_MAX_KBPS) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "a size or rate that H.264 is not made for");
     }

@@ -21,7 +21,7 @@ struct pel_video;
 /* One picture. An odd width or height loses its last column or row: 4:2:0 has
  * none. */
 struct pel_video_picture {
-    const uint8_t *rgba; /* top row first, tightly packed */
+    const uint8_t *rgba;                   /* top row first, tightly packed */
     const struct pel_planes_given *planes; /* instead: studio range, pairs */
     uint32_t width, height;
     uint32_t out_width, out_height; /* scaled to it; 0: as it is */

@@ -234,10 +234,9 @@ static void one_by_one(void **state)
 {
     (void)state;
     struct pel_environment env = test_environment(&sea, 2.5);
-    env.clouds = (struct pel_clouds){ .cover = 0.5,
-                                      .base_m = 900,
-                                      .thickness_m = 700,
-                                      .seed = 3 };
+    env.clouds = (struct pel_clouds){
+        .cover = 0.5, .base_m = 900, .thickness_m = 700, .seed = 3
+    };
     compare(&env);
 }
 
