@@ -20,6 +20,18 @@
 #include "render/uniforms.h"
 #include "render/wavefield.h"
 
+static enum pel_err run_waves(struct pel_wavefield *field,
+                              const struct pel_sea_desc *desc,
+                              const struct pel_cascades *cascades,
+                              double time_s, struct pel_fault *fault)
+{
+    enum pel_err err = pel_wavefield_need(field, NULL, desc, fault);
+    if (err == PEL_OK) {
+        pel_wavefield_run(field, desc, cascades, time_s);
+    }
+    return err;
+}
+
 static const struct pel_filter filter = PEL_FILTER_DEFAULT;
 static struct pel_context context;
 static const char *device = "software";
@@ -88,9 +100,8 @@ static void ask_the_shader(void)
     };
     if (sea.cascades) {
         pel_fill_cascades(sea.cascades, EAST_M, NORTH_M, &places);
-        assert_int_equal(pel_wavefield_run(&field, NULL, &sea.desc,
-                                           sea.cascades, TIME_S, &fault),
-                         PEL_OK);
+        assert_int_equal(
+            run_waves(&field, &sea.desc, sea.cascades, TIME_S, &fault), PEL_OK);
         buffers[3] = bound(GL_UNIFORM_BUFFER, 5, &places, sizeof places);
     } else {
         pel_fill_waves(&env, EAST_M, NORTH_M, &waves);

@@ -395,6 +395,10 @@ static enum pel_err need_programs(struct pel_renderer *r,
     if (err == PEL_OK) {
         err = need_light(r, env, &fault);
     }
+    if (err == PEL_OK && env->sea->cascades) {
+        err = pel_wavefield_need(&r->wavefield, r->shader_dir, &env->sea->desc,
+                                 &fault);
+    }
     if (err == PEL_OK && env->object_count) {
         err = pel_objects_fit(&r->objects, env, &r->programs, &fault);
     }
@@ -407,20 +411,16 @@ static enum pel_err need_programs(struct pel_renderer *r,
     return err;
 }
 
-/* What the views of a frame share; on errors the arena is given back. */
+/* What the views of a frame share, when their programs are there; on errors the
+ * arena is given back. */
 static enum pel_err begin_frame(struct pel_renderer *r,
                                 struct pel_environment *here,
                                 const struct pel_draw *draws, size_t count)
 {
-    struct pel_fault fault = { 0 };
-    enum pel_err err = need_programs(r, here, draws, count);
-    if (err != PEL_OK) {
-        return err;
-    }
-    err = pel_arena_begin(&r->arena, PEL_VIEW_UNIFORM_BYTES +
-                                         count * (pel_view_bytes(here) +
-                                                  pel_objects_bytes(here) +
-                                                  pel_lamp_map_bytes(here)));
+    enum pel_err err = pel_arena_begin(
+        &r->arena, PEL_VIEW_UNIFORM_BYTES +
+                       count * (pel_view_bytes(here) + pel_objects_bytes(here) +
+                                pel_lamp_map_bytes(here)));
     if (err != PEL_OK) {
         return err;
     }
@@ -445,14 +445,8 @@ static enum pel_err begin_frame(struct pel_renderer *r,
     r->env = here;
     pel_cloud_map_bind(&r->clouds, here, bind_table_eye, r);
     if (here->sea->cascades) {
-        err = pel_wavefield_run(&r->wavefield, r->shader_dir, &here->sea->desc,
-                                here->sea->cascades, here->time_s, &fault);
-        if (err != PEL_OK) {
-            pel_error("RND-041", "the waves of a frame were not computed: %s",
-                      fault.message);
-            pel_arena_end(&r->arena);
-            return err;
-        }
+        pel_wavefield_run(&r->wavefield, &here->sea->desc, here->sea->cascades,
+                          here->time_s);
         pel_stage_end(&r->timing, PEL_STAGE_WAVES);
     }
     if (pel_statistics_need(&r->statistics, here, &r->filter)) {
@@ -476,8 +470,14 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     }
     struct pel_environment here = *env;
     order_lights(&here);
+    /* Not in the turn: who makes programs, at first and after a loss, takes
+     * some fifty milliseconds. */
+    enum pel_err err = need_programs(r, &here, draws, count);
+    if (err != PEL_OK) {
+        return err;
+    }
     bool turn = pel_turn_begin();
-    enum pel_err err = begin_frame(r, &here, draws, count);
+    err = begin_frame(r, &here, draws, count);
     bool begun = err == PEL_OK;
     for (size_t i = 0; i < count && err == PEL_OK;) {
         pel_turn_end(turn); /* others draw while these are planned */

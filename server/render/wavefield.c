@@ -357,25 +357,22 @@ static enum pel_err need_foam(struct pel_wavefield *field,
     return err;
 }
 
-enum pel_err pel_wavefield_run(struct pel_wavefield *field,
-                               const char *shader_dir,
-                               const struct pel_sea_desc *desc,
-                               const struct pel_cascades *cascades,
-                               double time_s, struct pel_fault *fault)
+enum pel_err pel_wavefield_need(struct pel_wavefield *field,
+                                const char *shader_dir,
+                                const struct pel_sea_desc *desc,
+                                struct pel_fault *fault)
 {
-    if (!field->made) {
-        enum pel_err err = make(field, shader_dir, fault);
-        if (err != PEL_OK) {
-            return err;
-        }
-    }
+    enum pel_err err = field->made ? PEL_OK : make(field, shader_dir, fault);
+    return err == PEL_OK && desc->whitecaps > 0
+               ? need_foam(field, shader_dir, fault)
+               : err;
+}
+
+void pel_wavefield_run(struct pel_wavefield *field,
+                       const struct pel_sea_desc *desc,
+                       const struct pel_cascades *cascades, double time_s)
+{
     field->foam = desc->whitecaps > 0;
-    if (field->foam) {
-        enum pel_err err = need_foam(field, shader_dir, fault);
-        if (err != PEL_OK) {
-            return err;
-        }
-    }
     if (!field->computed || memcmp(desc, &field->desc, sizeof *desc) != 0) {
         if (!field->on_processor) {
             upload(field, cascades);
@@ -393,7 +390,6 @@ enum pel_err pel_wavefield_run(struct pel_wavefield *field,
         field->computed = true;
     }
     bind_fields(field);
-    return PEL_OK;
 }
 
 void pel_wavefield_finish(struct pel_wavefield *field)

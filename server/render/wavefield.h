@@ -38,12 +38,14 @@ struct pel_wavefield {
     double time_s;
 };
 
-/* Brings the fields to time_s and binds them. Nothing is allocated before the
- * first run. NO_MEMORY; GPU when a program does not compile. */
-PEL_CHECK enum pel_err pel_wavefield_run(struct pel_wavefield *field,
-                                         const char *shader_dir,
-                                         const struct pel_sea_desc *desc,
-                                         const struct pel_cascades *cascades,
-                                         double time_s,
-                                         struct pel_fault *fault);
+/* Makes the programs and textures that a sea wants; nothing is allocated before
+ * the first. NO_MEMORY; GPU when a program does not compile. */
+PEL_CHECK enum pel_err pel_wavefield_need(struct pel_wavefield *field,
+                                          const char *shader_dir,
+                                          const struct pel_sea_desc *desc,
+                                          struct pel_fault *fault);
+/* Brings the fields to time_s and binds them. */
+void pel_wavefield_run(struct pel_wavefield *field,
+                       const struct pel_sea_desc *desc,
+                       const struct pel_cascades *cascades, double time_s);
 void pel_wavefield_finish(struct pel_wavefield *field);

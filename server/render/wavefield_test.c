@@ -16,6 +16,18 @@
 #define N PEL_CASCADE_N
 #define TEXELS (PEL_CASCADES * PEL_CASCADE_MODES)
 
+static enum pel_err run_waves(struct pel_wavefield *field,
+                              const struct pel_sea_desc *desc,
+                              const struct pel_cascades *cascades,
+                              double time_s, struct pel_fault *fault)
+{
+    enum pel_err err = pel_wavefield_need(field, NULL, desc, fault);
+    if (err == PEL_OK) {
+        pel_wavefield_run(field, desc, cascades, time_s);
+    }
+    return err;
+}
+
 static struct pel_context context;
 static struct pel_wavefield field;
 
@@ -74,8 +86,7 @@ static void fields_are_the_reference(void **state)
             struct pel_fault fault;
             assert_int_equal(
                 pel_cascade_fields_create(cascades, times[t], &want), PEL_OK);
-            if (pel_wavefield_run(&field, NULL, &descs[s], cascades, times[t],
-                                  &fault)) {
+            if (run_waves(&field, &descs[s], cascades, times[t], &fault)) {
                 fail_msg("%s", fault.message);
             }
             float *d =
@@ -114,8 +125,7 @@ static void levels_are_means(void **state)
     struct pel_cascades *cascades;
     struct pel_fault fault;
     assert_int_equal(pel_cascades_create(&desc, &cascades), PEL_OK);
-    assert_int_equal(
-        pel_wavefield_run(&field, NULL, &desc, cascades, 3, &fault), PEL_OK);
+    assert_int_equal(run_waves(&field, &desc, cascades, 3, &fault), PEL_OK);
     for (int level = 1; level < PEL_CASCADE_LEVELS; level++) {
         int n = N >> level;
         float *fine =
@@ -156,9 +166,9 @@ static void processor_uploads_the_fields(void **state)
     for (int threads = 1; threads <= 4; threads++) {
         struct pel_wavefield own = { .on_processor = true, .threads = threads };
         for (int i = 0; i < 3; i++) { /* both sets, the first one twice */
-            assert_int_equal(pel_wavefield_run(&own, NULL, &desc, cascades,
-                                               i < 2 ? 5 + i : 77, &fault),
-                             PEL_OK);
+            assert_int_equal(
+                run_waves(&own, &desc, cascades, i < 2 ? 5 + i : 77, &fault),
+                PEL_OK);
         }
         const struct pel_wavefield_textures *set = &own.sets[own.current];
         float *d = texture(set->displacement, 0, GL_RGBA, 4);
@@ -184,8 +194,7 @@ static void processor_uploads_the_fields(void **state)
         }
         pel_wavefield_finish(&own);
     }
-    assert_int_equal(
-        pel_wavefield_run(&field, NULL, &desc, cascades, 77, &fault), PEL_OK);
+    assert_int_equal(run_waves(&field, &desc, cascades, 77, &fault), PEL_OK);
     for (int level = 1; level < PEL_CASCADE_LEVELS; level++) {
         size_t n = (size_t)(N >> level) * (size_t)(N >> level);
         float *shaders =

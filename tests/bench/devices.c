@@ -5,9 +5,9 @@
  *   bench_devices [--views 64] [--size 1280x720]
  *                 [--codec jpeg|h264|none|planes]
  *                 [--ask] [--threads N] [--seconds 4] [--lose N]
- *                 [--count N] LIST...
+ *                 [--count N] [--hz 240] LIST...
  *
- * Each LIST is one of pelagosd --device. Views are live (at most 240 Hz, 67
+ * Each LIST is one of pelagosd --device. Views are live (at most --hz, 67
  * million pixels together), or with --ask each is asked for again as soon as it
  * is there, every time of another moment. The lists take turns, three times
  * each; medians. --count: one list until so many pictures, and what they leave
@@ -41,9 +41,11 @@ static struct {
     int views, threads, lose;
     unsigned width, height;
     bool h264, drawn, planes, ask;
-    double seconds;
+    double seconds, hz;
     uint64_t count;
-} options = { .views = 64, .width = 1280, .height = 720, .seconds = 4 };
+} options = {
+    .views = 64, .width = 1280, .height = 720, .seconds = 4, .hz = 240
+};
 
 struct viewer {
     char name[16];
@@ -167,7 +169,7 @@ static void begin(const char *list)
     }
     struct pel_frames_options o = {
         .device = list,
-        .max_fps = 240,
+        .max_fps = options.hz,
         .quality = 1,
         .encoder_threads = options.threads,
         .lose_after = (unsigned)options.lose,
@@ -511,6 +513,7 @@ static void read_options(int argc, char **argv)
         { "lose", required_argument, NULL, 'l' },
         { "count", required_argument, NULL, 'k' },
         { "ask", no_argument, NULL, 'a' },
+        { "hz", required_argument, NULL, 'h' },
         { 0 },
     };
     for (int c; (c = getopt_long(argc, argv, "", table, NULL)) != -1;) {
@@ -542,6 +545,9 @@ static void read_options(int argc, char **argv)
             break;
         case 'a':
             options.ask = true;
+            break;
+        case 'h':
+            options.hz = strtod(optarg, NULL);
             break;
         default:
             exit(2);
