@@ -10,6 +10,8 @@
 #include "render/binaries.h"
 
 #define MOST_SHADER (1 << 20) /* bytes of a file */
+#define MOST_FILES 128
+#define MOST_NAME 64
 
 static const struct pel_shader_source *find_source(const char *name)
 {
@@ -34,21 +36,45 @@ static bool append(char **text, size_t *size, const char *more, size_t length)
     return true;
 }
 
-/* Appends `path` to *text with its includes; returns false when a file cannot
- * be read. Only for PELAGOS_SHADER_DIR: the build flattens the embedded ones.
- */
-static bool read_flat(const char *dir, const char *name, char **text,
-                      size_t *size, int depth)
+/* A text that is put together from files, each of which it has once. */
+struct flat {
+    const char *dir;
+    char *text;
+    size_t size;
+    int count;
+    char names[MOST_FILES][MOST_NAME]; /* of files that are in it */
+};
+
+static bool has_file(const struct flat *flat, const char *name)
+{
+    for (int i = 0; i < flat->count; i++) {
+        if (strcmp(flat->names[i], name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Appends file `name` with its includes; false when one cannot be read. */
+static bool read_flat(struct flat *flat, const char *name)
 {
     char path[512];
-    snprintf(path, sizeof path, "%s/%s", dir, name);
+    if (has_file(flat, name)) {
+        return true;
+    }
+    if (flat->count == MOST_FILES || strlen(name) >= MOST_NAME) {
+        return false;
+    }
+    bool inner_file = flat->count > 0;
+    strcpy(flat->names[flat->count++], name);
+    snprintf(path, sizeof path, "%s/%s", flat->dir, name);
     char *file = NULL;
     size_t length = 0;
-    if (depth >= 8 || pel_file_read(path, MOST_SHADER, &file, &length, NULL)) {
+    if (pel_file_read(path, MOST_SHADER, &file, &length, NULL)) {
         /* lib/layers.glsl is made by the build. */
         const struct pel_shader_source *made = find_source(name);
-        return depth > 0 && made &&
-               append(text, size, made->text, strlen(made->text));
+        return inner_file && made &&
+               append(&flat->text, &flat->size, made->text, strlen(made->text));
     }
     bool ok = true;
     for (const char *line = file; ok && *line;) {
@@ -56,16 +82,23 @@ static bool read_flat(const char *dir, const char *name, char **text,
         end += *end == '\n';
         char inner[256];
         const char *word = line + strspn(line, " \t");
-        if (sscanf(word, "#include \"%255[^\"]\"", inner) == 1) {
-            /* Include guards are by #ifndef where a file needs one twice. */
-            ok = read_flat(dir, inner, text, size, depth + 1);
-        } else {
-            ok = append(text, size, line, (size_t)(end - line));
-        }
+        ok = sscanf(word, "#include \"%255[^\"]\"", inner) == 1
+                 ? read_flat(flat, inner)
+                 : append(&flat->text, &flat->size, line, (size_t)(end - line));
         line = end;
     }
     free(file);
     return ok;
+}
+
+char *pel_shader_read(const char *dir, const char *name)
+{
+    struct flat flat = { .dir = dir };
+    if (!read_flat(&flat, name)) {
+        free(flat.text);
+        return NULL;
+    }
+    return flat.text;
 }
 
 static void log_compiler_words(const char *name, const char *words)
@@ -92,11 +125,10 @@ static enum pel_err compile(const char *dir, const char *name,
                             struct pel_fault *fault)
 {
     char *loaded = NULL;
-    size_t size = 0;
     const struct pel_shader_source *source = find_source(name);
     const char *text = source ? source->text : NULL;
     if (dir) {
-        text = read_flat(dir, name, &loaded, &size, 0) ? loaded : NULL;
+        text = loaded = pel_shader_read(dir, name);
     }
     if (!text) {
         free(loaded);

@@ -23,6 +23,10 @@ struct pel_shader_source {
 /* Generated; ends with a NULL name. */
 extern const struct pel_shader_source pel_shader_sources[];
 
+/* A shader of a folder with its includes, each once, as the build flattens the
+ * embedded ones: free() it. NULL: a file cannot be read, or no memory. */
+char *pel_shader_read(const char *dir, const char *name);
+
 /* Links the named shaders (stage by suffix .vert .frag .comp; `second` NULL
  * for compute). `defines` is inserted after #version, NULL for none. GPU with
  * the compiler's words, traced to file and line, when it fails. */
