@@ -34,6 +34,9 @@ static void print_node(const Pelagos__ClusterNode *n, uint64_t newest)
                   (unsigned long long)n->differences,
                   (unsigned long long)n->gaps);
     }
+    for (size_t i = 0; i < n->n_views; i++) {
+        ctl_print(stdout, "%s%s", i ? ", " : "  draws ", n->views[i]);
+    }
     ctl_print(stdout, "%s\n", n->alike ? "" : "  not bit-equal");
 }
 

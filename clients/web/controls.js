@@ -1,9 +1,10 @@
 // The panel beside the pictures: the rose and the sections.
 
+import { inTurn, perform } from "/api.js";
 import { Debrief, Recordings } from "/debrief.js";
 import { Keep } from "/keep.js";
 import { Presets } from "/presets.js";
-import { dress } from "/rights.js";
+import { dress, may } from "/rights.js";
 import { Rose } from "/rose.js";
 import { beaufort, Sections, sunFixed } from "/sections.js";
 import { utcMs } from "/daytime.js";
@@ -37,7 +38,23 @@ export class Controls {
       const { Exercises } = await import("/exercises.js");
       return new Exercises(details, store);
     });
+    this.machines();
     dress();
+  }
+
+  // Shown where the server shows an exercise with others.
+  async machines() {
+    const details = document.getElementById("machines");
+    const said = may("GET v1/cluster")
+      ? await inTurn(() => perform("GET", "/v1/cluster")).catch(() => ({}))
+      : {};
+    details.hidden = !said.name;
+    if (said.name) {
+      this.lazyCard("machines", async () => {
+        const { Machines } = await import("/machines.js");
+        return new Machines(details);
+      });
+    }
   }
 
   // A card that is made when it is opened first.

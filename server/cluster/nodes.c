@@ -139,7 +139,8 @@ static double delay_ms(const struct pel_cluster *c)
 }
 
 /* Borrows what it can. */
-static void fill(struct pel_cluster *c, Pelagos__ClusterNode *n)
+static void fill(struct pel_cluster *c, const char *views[PEL_MAX_VIEWS],
+                 Pelagos__ClusterNode *n)
 {
     pelagos__cluster_node__init(n);
     n->name = c->name;
@@ -163,15 +164,18 @@ static void fill(struct pel_cluster *c, Pelagos__ClusterNode *n)
     n->waves = (uint32_t)c->options.wave_count;
     n->alike = c->alike;
     n->beat = c->beat;
+    n->n_views = pel_frames_watched(c->frames, views);
+    n->views = (char **)views;
 }
 
 void pel_cluster_say(struct pel_cluster *c)
 {
     static struct pel_log_limit limit;
     Pelagos__ClusterNode me;
+    const char *views[PEL_MAX_VIEWS];
     int64_t now_ns = pel_now_ns();
     c->beat++;
-    fill(c, &me);
+    fill(c, views, &me);
     if (me.has_clock && fabs(me.clock) > CLOCK_MS && c->beat > SURE_BEATS) {
         pel_log_limited(&limit, PEL_LOG_WARNING, "CLU-014",
                         "the clock of node %s differs by %.1f ms from the "

@@ -104,6 +104,11 @@ PEL_CHECK enum pel_err pel_frames_request(struct pel_frames *frames,
                                           uint64_t *id,
                                           struct pel_fault *fault);
 
+/* Names of the live views that somebody watches, each once, borrowed until the
+ * loop runs again; their count. */
+size_t pel_frames_watched(const struct pel_frames *frames,
+                          const char *names[PEL_MAX_VIEWS]);
+
 /* Whether such a picture may be asked for: the refusals of pel_frames_request
  * but BUSY. */
 PEL_CHECK enum pel_err pel_frames_check(struct pel_frames *frames,

@@ -569,3 +569,20 @@ void pel_live_finish(struct pel_frames *frames)
         frames->subscriptions = next;
     }
 }
+
+size_t pel_frames_watched(const struct pel_frames *frames,
+                          const char *names[PEL_MAX_VIEWS])
+{
+    size_t count = 0;
+    for (const struct pel_subscription *s = frames->subscriptions; s;
+         s = s->next) {
+        const char *name = s->stream && !s->dead ? s->stream->view : NULL;
+        for (size_t i = 0; name && i < count; i++) {
+            name = strcmp(names[i], name) == 0 ? NULL : name;
+        }
+        if (name && count < PEL_MAX_VIEWS) {
+            names[count++] = name;
+        }
+    }
+    return count;
+}
