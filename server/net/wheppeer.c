@@ -74,7 +74,8 @@ static GstPadProbeReturn on_heard(GstPad *pad, GstPadProbeInfo *info,
     return GST_PAD_PROBE_OK;
 }
 
-/* Nobody reads the bus: what is put there would stay. */
+/* Nobody reads the bus: what is put there would stay. What is dropped is ours
+ * to release. */
 static GstBusSyncReply on_message(GstBus *bus, GstMessage *message,
                                   gpointer user)
 {
@@ -83,6 +84,7 @@ static GstBusSyncReply on_message(GstBus *bus, GstMessage *message,
     if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
         peer->told(peer->user, PEL_WHEP_LOST);
     }
+    gst_message_unref(message);
     return GST_BUS_DROP;
 }
 
