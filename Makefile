@@ -482,8 +482,10 @@ cluster-check: deps ## one exercise on machines in namespaces: losses, kills, cu
 mutate: deps ## break MUTANTS (200) lines at random, see which tests notice (SEED=1 ROOMS='ocean …')
 	$(Q)tests/mutate --mutants $(or $(MUTANTS),200) --seed $(or $(SEED),1) $(ROOMS)
 
-# Of the end-to-end tests those that start programs of the build.
-E2E_OF_BUILD = $(shell grep -lE 'pelagos_daemon|PELAGOS_BIN' $(E2E))
+# Of the end-to-end tests those that start programs of the build, less those that
+# ask about the release: which libraries it needs, what the README says of it.
+E2E_OF_BUILD = $(filter-out tests/build_test.sh tests/readme_test.py,\
+    $(shell grep -lE 'pelagos_daemon|PELAGOS_BIN' $(E2E)))
 .PHONY: asan
 asan: deps ## every test of our programs under ASan, UBSan and LSan (TESTED='…': those)
 	$(Q)$(MAKE) -s --no-print-directory FLAVOR=asan all tests

@@ -108,7 +108,9 @@ static enum ctl_exit take_option(struct ctl *ctl, char **argv, int *taken)
     }
     if (g_str_has_suffix(option->arg, "...") &&
         ctl->values[slot]) { /* lives as long as we do */
-        glued = g_strconcat(ctl->values[slot], ";", glued, NULL);
+        g_autofree char *both =
+            g_strconcat(ctl->values[slot], ";", glued, NULL);
+        glued = g_intern_string(both);
     }
     ctl->values[slot] = glued;
     return CTL_DONE;

@@ -4,6 +4,7 @@
 #include <stdatomic.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/socket.h>
 
 #include <gio/gio.h>
 
@@ -365,5 +366,7 @@ GSocket *pel_rtsp_guarded_socket(int fd)
 void pel_rtsp_guard_end(GSocket *socket)
 {
     g_object_set_data(G_OBJECT(socket), GUARD_KEY, GINT_TO_POINTER(ENDED));
-    g_socket_shutdown(socket, TRUE, TRUE, NULL);
+    /* Not g_socket_shutdown: it writes to fields that the thread which serves
+     * the socket reads. */
+    shutdown(g_socket_get_fd(socket), SHUT_RDWR);
 }
