@@ -343,7 +343,9 @@ enum pel_err pel_jpeg_encode(const struct pel_encode_input *in,
                                          &compressor->between, &planes)
                        : pel_planes_take(in->planes, true, &compressor->between,
                                          &planes);
-        extend_all(&planes, height, rows);
+        if (err == PEL_OK) {
+            extend_all(&planes, height, rows);
+        }
     } else if (!in->rgba) {
         planes = writable(in->planes);
     }

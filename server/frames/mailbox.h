@@ -22,8 +22,7 @@ struct pel_mailbox {
     void (*receive)(void *user, struct pel_mail *mail);
     void *user;
 };
-/* `receive` runs in `context` for every mail, in order of posting; it may end
- * the mailbox. */
+/* `receive` runs in `context` for every mail, in order of posting. */
 void pel_mailbox_init(struct pel_mailbox *box, GMainContext *context,
                       void (*receive)(void *user, struct pel_mail *mail),
                       void *user);
