@@ -116,6 +116,7 @@ static struct pel_frames_options frames_options(const struct daemon *d)
         .gl_debug = d->options.gl_debug,
         .lose_after = (unsigned)d->options.gl_lose,
         .lose_only = d->options.gl_lose_device,
+        .lose_for_good = d->options.gl_lose_for_good,
         .paper_form = d->options.reflection == 1,
         .max_fps = d->options.fps,
         .quality = d->options.quality,

@@ -74,6 +74,7 @@ struct pel_options {
     char shader_dir[PEL_OPTION_TEXT];
     bool gl_debug;
     int gl_lose, gl_lose_device;
+    bool gl_lose_for_good;
     int shading, reflection;
     int realtime;  /* enum pel_realtime */
     int log_level; /* enum pel_log_level */

@@ -324,6 +324,9 @@ const struct pel_option pel_developer_table[] = {
     { "PELAGOS_GL_LOSE_DEVICE", "developer", PEL_OPTION_INT, "INDEX", "-1", -1,
       15, "of the list of devices", .offset = FIELD(gl_lose_device),
       .help = "Pretends so of this device alone; -1: of all." },
+    { "PELAGOS_GL_LOSE_FOR_GOOD", "developer", PEL_OPTION_FLAG, "yes|no", "no",
+      .offset = FIELD(gl_lose_for_good),
+      .help = "Pretends that a device so lost cannot be had again." },
     { "PELAGOS_EXERCISE_STRAY", "developer", PEL_OPTION_INT, "FRAME", "0", 0,
       1000000000, "", .offset = FIELD(exercise_stray),
       .help = "Makes this node's state another one before this frame of an "

@@ -35,13 +35,16 @@ SCENE = {
 WINDOWS = [f"w{i}" for i in range(len(SIZES))]
 
 
-def start(devices=DEVICES, lose=0, only=-1):
-    os.environ["PELAGOS_GL_LOSE"] = str(lose)
-    os.environ["PELAGOS_GL_LOSE_DEVICE"] = str(only)
+def start(devices=DEVICES, lose=0, only=-1, for_good=False):
+    losing = {"PELAGOS_GL_LOSE": str(lose),
+              "PELAGOS_GL_LOSE_DEVICE": str(only),
+              "PELAGOS_GL_LOSE_FOR_GOOD": "yes" if for_good else "no"}
+    os.environ.update(losing)
     try:
         daemon = Daemon("--device", devices, unix=True)
     finally:
-        del os.environ["PELAGOS_GL_LOSE"], os.environ["PELAGOS_GL_LOSE_DEVICE"]
+        for name in losing:
+            del os.environ[name]
     answer = daemon.patch(SCENE)
     assert answer.status == 200, answer
     return daemon
@@ -138,6 +141,23 @@ class Devices(unittest.TestCase):
                                   self.same(daemon, next(times))}, {0})
             self.assertEqual(daemon.metrics()["pelagos_device_fallen_back"], 0)
             self.assertIn("FRM-012", daemon.log())
+
+    def test_a_withdrawn_device_leaves_its_views(self):
+        """It cannot be had again: the other draws, the same pictures."""
+        with start(lose=4, only=1, for_good=True) as daemon:
+            times = itertools.count()
+            while daemon.metrics()["pelagos_device_losses_total"] < 1:
+                t = next(times)
+                self.assertLess(t, 200, "device 1 is not lost")
+                self.same(daemon, t)
+            end = time.monotonic() + 3
+            while time.monotonic() < end:
+                self.assertEqual({f.device for f in
+                                  self.same(daemon, next(times))}, {0})
+                self.assertEqual(of_device(daemon, "standing", 1), 0)
+            metrics = daemon.metrics()
+            self.assertEqual(metrics["pelagos_device_losses_total"], 1)
+            self.assertEqual(metrics["pelagos_device_fallen_back"], 0)
 
     def test_live_views_go_on_without_it(self):
         with start(lose=12, only=0) as daemon:

@@ -8,11 +8,16 @@
 
 /* PEL_MANY_LOSSES within this, and the software device draws from then on; for
  * how long encoders may keep pictures of a renderer that goes; how long a
- * device may take to come back, and how often it is asked. */
+ * device may take to come back where no other draws, and how often it is asked;
+ * where others draw, which wait for the driver meanwhile, half as often each
+ * time. */
 #define MANY_LOSSES_NS (300 * INT64_C(1000000000))
 #define RELEASE_NS (10 * INT64_C(1000000000))
 #define RETURN_NS (10 * INT64_C(1000000000))
-#define RETURN_ASK_NS 100000000
+#define RETURN_ASK_NS INT64_C(100000000)
+#define RETURN_SELDOM_NS (10 * INT64_C(1000000000))
+/* No device has this number. */
+#define WITHDRAWN "-1"
 
 void pel_loss_note_device(struct pel_renderloop *loop, int at)
 {
@@ -151,12 +156,19 @@ static void stand_again(struct pel_renderloop *loop, bool software)
     pel_renderloop_progress(loop);
 }
 
+static void ask_later(struct pel_renderloop *loop, int64_t ns)
+{
+    loop->ask_ns = ns < RETURN_SELDOM_NS ? ns : RETURN_SELDOM_NS;
+    loop->ask_at_ns = pel_now_ns() + loop->ask_ns;
+}
+
 void pel_loss_return(struct pel_renderloop *loop)
 {
-    if (!loop->out) {
-        stand_again(loop, false);
-    } else if (!pel_renderloop_pass_on(loop)) {
-        stand_again(loop, !atomic_load(&loop->software));
+    bool peers = pel_renderloop_pass_on(loop);
+    bool due = !loop->out && pel_now_ns() >= loop->ask_at_ns;
+    if (!peers || due) {
+        stand_again(loop, loop->out && !atomic_load(&loop->software));
+        ask_later(loop, 2 * loop->ask_ns);
     }
     if (!loop->renderer) {
         wait_ns(loop, RETURN_ASK_NS);
@@ -202,9 +214,13 @@ void pel_loss_recover(struct pel_renderloop *loop)
         pel_renderer_destroy(loop->renderer);
     } /* else it is left: its memory is still read */
     loop->renderer = NULL;
+    if (loop->options.withdrawn) {
+        loop->options.device = WITHDRAWN;
+    }
     loop->out = often && peers;
     if (!loop->out) {
         stand_again(loop, often && !atomic_load(&loop->software));
+        ask_later(loop, RETURN_ASK_NS);
     }
     note_loss(loop, (double)(pel_now_ns() - begun_ns) * 1e-6,
               loop->put_again - before);

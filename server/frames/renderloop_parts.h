@@ -58,6 +58,7 @@ struct pel_renderloop {
     atomic_int device_now;
     atomic_bool software;
     struct pel_loss_stats losses;
+    int64_t ask_ns, ask_at_ns; /* whether the device is back: how often, when */
     int64_t lost_ns[PEL_MANY_LOSSES]; /* the last ones; render thread */
     struct pel_parts again;           /* to be drawn again; render thread */
     uint64_t put_again;               /* by losses; render thread */

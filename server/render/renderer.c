@@ -109,8 +109,8 @@ void pel_renderer_destroy(struct pel_renderer *r)
     if (!r) {
         return;
     }
+    const bool counted = r->context.context && !r->context.software;
     if (r->context.context) {
-        pel_turn_count(-!r->context.software);
         pel_readback_finish(&r->readback);
         pel_arena_finish(&r->arena);
         pel_sky_finish(&r->sky);
@@ -144,6 +144,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_stage_timer_finish(&r->timing);
     }
     pel_context_finish(&r->context);
+    pel_turn_count(-counted);
     free(r->mesh);
     free(r);
 }
@@ -471,26 +472,32 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     struct pel_environment here = *env;
     order_lights(&here);
     /* Not in the turn: who makes programs, at first and after a loss, takes
-     * some fifty milliseconds. */
+     * some fifty milliseconds; nor is a renderer's first frame, which takes
+     * thirty, most of it while the driver makes what its calls have named. */
     enum pel_err err = need_programs(r, &here, draws, count);
     if (err != PEL_OK) {
         return err;
     }
-    bool turn = pel_turn_begin();
+    bool turn = r->drew && pel_turn_begin();
     err = begin_frame(r, &here, draws, count);
     bool begun = err == PEL_OK;
     for (size_t i = 0; i < count && err == PEL_OK;) {
         pel_turn_end(turn); /* others draw while these are planned */
         size_t views = pel_together_plan(r, &here, draws + i, count - i);
-        turn = pel_turn_begin();
-        err = views > 0 ? pel_together_draw(r, &here)
-                        : pel_view_draw(r, &here, &draws[i]);
+        err = views > 0 ? pel_together_reserve(r) : PEL_OK;
+        turn = r->drew && pel_turn_begin();
+        if (views == 0) {
+            err = pel_view_draw(r, &here, &draws[i]);
+        } else if (err == PEL_OK) {
+            pel_together_draw(r, &here);
+        }
         i += views > 0 ? views : 1;
     }
     if (begun) {
         pel_arena_end(&r->arena);
     }
     pel_turn_end(turn);
+    r->drew = r->drew || err == PEL_OK;
     return err;
 }
 

@@ -53,6 +53,7 @@ struct pel_renderer {
     struct pel_under_map under;
     struct pel_mote_map motes;
     bool lost;
+    bool drew; /* a frame, so that what all frames need is there */
     struct pel_filtering filtering;
     struct pel_filter filter; /* its bounds */
     struct pel_readback readback;

@@ -233,6 +233,75 @@ static void fit_pixels(struct pel_together *t, size_t pixels, bool outlines)
     }
 }
 
+/* --- memory for what was planned ------------------------------------------ */
+
+static struct pel_readback_source source_of(const struct pel_renderer *r,
+                                            const struct pel_view_together *v,
+                                            int64_t started_ns)
+{
+    const struct pel_camera *c = &v->draw.camera;
+    return (struct pel_readback_source){
+        .auto_exposure = c->auto_exposure,
+        .exposure_ev = c->exposure_ev,
+        .width = c->width,
+        .height = c->height,
+        .rows = c->height,
+        .layers = v->draw.layers,
+        .ycbcr = pel_view_ycbcr(r, &v->draw),
+        .user = v->draw.user,
+        .started_ns = started_ns,
+    };
+}
+
+static enum pel_err reserve_slots(struct pel_renderer *r)
+{
+    struct pel_together *t = &r->together;
+    int64_t started_ns = pel_now_ns();
+    for (size_t i = 0; i < t->count; i++) {
+        const struct pel_readback_source source =
+            source_of(r, &t->views[i], started_ns);
+        t->slots[i] = pel_readback_reserve(&r->readback, &source);
+        if (!t->slots[i]) {
+            pel_readback_unreserve(t->slots, i);
+            return PEL_ERR_NO_MEMORY;
+        }
+    }
+    return PEL_OK;
+}
+
+/* Where any becomes planes, the colours of all stay on the device until they
+ * are made. */
+static void fit_planes(struct pel_renderer *r)
+{
+    struct pel_together *t = &r->together;
+    t->any_planes = false;
+    for (size_t i = 0; i < t->count; i++) {
+        const struct pel_draw *draw = &t->views[i].draw;
+        t->planes[i] = (struct pel_ycbcr_view){ .form = pel_view_ycbcr(r, draw),
+                                                .width = draw->camera.width,
+                                                .height = draw->camera.height,
+                                                .slot = t->slots[i] };
+        t->any_planes |= t->planes[i].form != PEL_YCBCR_NONE;
+    }
+    if (t->any_planes) {
+        pel_ycbcr_fit(&r->ycbcr, t->planes, t->count);
+    }
+}
+
+enum pel_err pel_together_reserve(struct pel_renderer *r)
+{
+    struct pel_together *t = &r->together;
+    const struct pel_view_together *last = &t->views[t->count - 1];
+    enum pel_err err = reserve_slots(r);
+    if (err == PEL_OK) {
+        fit_pixels(t, last->first_pixel + pixels_of(last), last->margin > 0);
+        fit_vertices(t,
+                     last->first_vertex + (size_t)last->mesh.vertex_count + 1);
+        fit_planes(r);
+    }
+    return err;
+}
+
 void pel_together_finish(struct pel_together *t)
 {
     drop_memory(t);
@@ -294,49 +363,29 @@ static void bind_rings(struct pel_renderer *r, size_t first[PEL_TOGETHER_MOST])
                       (GLsizeiptr)(end - from));
 }
 
-/* Whether any becomes planes: then the colours of all stay on the device until
- * they are made. */
-static bool find_planes(const struct pel_renderer *r,
-                        struct pel_readback_slot *const slots[],
-                        struct pel_ycbcr_view planes[PEL_TOGETHER_MOST])
+static void bind_views(struct pel_renderer *r)
 {
-    const struct pel_together *t = &r->together;
-    bool any = false;
-    for (size_t i = 0; i < t->count; i++) {
-        const struct pel_draw *draw = &t->views[i].draw;
-        planes[i] = (struct pel_ycbcr_view){ .form = pel_view_ycbcr(r, draw),
-                                             .width = draw->camera.width,
-                                             .height = draw->camera.height,
-                                             .slot = slots[i] };
-        any = any || planes[i].form != PEL_YCBCR_NONE;
-    }
-    return any;
-}
-
-static void bind_views(struct pel_renderer *r,
-                       struct pel_readback_slot *const slots[],
-                       struct pel_ycbcr_view *planes)
-{
-    const struct pel_together *t = &r->together;
+    struct pel_together *t = &r->together;
     struct pel_block_together block = { 0 };
     size_t rings[PEL_TOGETHER_MOST];
     bind_rings(r, rings);
     for (size_t i = 0; i < t->count; i++) {
         const struct pel_camera *c = &t->views[i].draw.camera;
         fill(&t->views[i], rings[i],
-             planes ? (size_t)c->width * c->height
-                    : pel_readback_ev_offset(slots[i]) / sizeof(float),
+             t->any_planes
+                 ? (size_t)c->width * c->height
+                 : pel_readback_ev_offset(t->slots[i]) / sizeof(float),
              &block.together[i]);
     }
     pel_view_bind(r, PEL_BLOCK_VIEW, &block, sizeof block);
-    if (planes) {
-        pel_ycbcr_begin(&r->ycbcr, planes, t->count);
+    if (t->any_planes) {
+        pel_ycbcr_begin(&r->ycbcr, t->planes, t->count);
         return;
     }
     for (size_t i = 0; i < PEL_TOGETHER_MOST; i++) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER,
                          PEL_STORE_PICTURES + (GLuint)i,
-                         pel_readback_buffer(slots[i < t->count ? i : 0]));
+                         pel_readback_buffer(t->slots[i < t->count ? i : 0]));
     }
 }
 
@@ -469,42 +518,6 @@ static void mix_outlines(struct pel_renderer *r, const struct extent *all)
         pel_groups((int)all->pixels, (int)(CLEAR_COLUMNS * PEL_GROUP_LINE)), 1);
 }
 
-static struct pel_readback_source source_of(const struct pel_renderer *r,
-                                            const struct pel_view_together *v,
-                                            int64_t started_ns)
-{
-    const struct pel_camera *c = &v->draw.camera;
-    return (struct pel_readback_source){
-        .auto_exposure = c->auto_exposure,
-        .exposure_ev = c->exposure_ev,
-        .width = c->width,
-        .height = c->height,
-        .rows = c->height,
-        .layers = v->draw.layers,
-        .ycbcr = pel_view_ycbcr(r, &v->draw),
-        .user = v->draw.user,
-        .started_ns = started_ns,
-    };
-}
-
-/* False: there is no memory. */
-static bool reserve(struct pel_renderer *r,
-                    struct pel_readback_slot *slots[PEL_TOGETHER_MOST])
-{
-    const struct pel_together *t = &r->together;
-    int64_t started_ns = pel_now_ns();
-    for (size_t i = 0; i < t->count; i++) {
-        const struct pel_readback_source source =
-            source_of(r, &t->views[i], started_ns);
-        slots[i] = pel_readback_reserve(&r->readback, &source);
-        if (!slots[i]) {
-            pel_readback_unreserve(slots, i);
-            return false;
-        }
-    }
-    return true;
-}
-
 static struct extent extent_of(const struct pel_together *t)
 {
     const struct pel_view_together *last = &t->views[t->count - 1];
@@ -522,26 +535,18 @@ static struct extent extent_of(const struct pel_together *t)
     return all;
 }
 
-enum pel_err pel_together_draw(struct pel_renderer *r,
-                               const struct pel_environment *env)
+void pel_together_draw(struct pel_renderer *r,
+                       const struct pel_environment *env)
 {
     struct pel_together *t = &r->together;
     const struct pel_view_together *last = &t->views[t->count - 1];
-    struct pel_readback_slot *slots[PEL_TOGETHER_MOST] = { NULL };
-    struct pel_ycbcr_view planes[PEL_TOGETHER_MOST];
     const struct extent all = extent_of(t);
-    if (!reserve(r, slots)) {
-        return PEL_ERR_NO_MEMORY;
-    }
-    fit_pixels(t, all.pixels, all.outlines);
-    fit_vertices(t, last->first_vertex + (size_t)last->mesh.vertex_count + 1);
     r->programs.above = false;
     const struct pel_sea_programs *programs =
         pel_programs_of(&r->programs, env->sea);
     bind_eye(r, env);
     pel_view_bind_sea(r, env, &last->view.part);
-    const bool any_planes = find_planes(r, slots, planes);
-    bind_views(r, slots, any_planes ? planes : NULL);
+    bind_views(r);
     pel_view_bind_wakes(r, env, &last->view);
     pel_stage_begin(&r->timing);
     find_surface(r, env, programs, &all);
@@ -555,15 +560,14 @@ enum pel_err pel_together_draw(struct pel_renderer *r,
     if (all.outlines) {
         mix_outlines(r, &all);
     }
-    if (any_planes) {
-        pel_ycbcr_end(&r->ycbcr, planes, t->count);
+    if (t->any_planes) {
+        pel_ycbcr_end(&r->ycbcr, t->planes, t->count);
     }
     /* The next ones use the same memory. */
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_UNIFORM_BARRIER_BIT |
                     GL_BUFFER_UPDATE_BARRIER_BIT |
                     GL_CLIENT_MAPPED_BUFFER_BARRIER_BIT);
     pel_stage_end(&r->timing, PEL_STAGE_SHADE);
-    pel_readback_send(&r->readback, slots, t->count);
+    pel_readback_send(&r->readback, t->slots, t->count);
     pel_stage_end(&r->timing, PEL_STAGE_READBACK);
-    return PEL_OK;
 }

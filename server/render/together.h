@@ -12,6 +12,7 @@
 
 #include "base/err.h"
 #include "render/viewplan.h"
+#include "render/ycbcr.h"
 #include "shaders/lib/blocks.h"
 
 /* Zeroed before its first use. */
@@ -24,6 +25,10 @@ struct pel_together {
     unsigned small_draws;
     struct pel_view_together *views; /* PEL_TOGETHER_MOST, when first needed */
     size_t count;                    /* of those planned */
+    /* What those are read back to, from pel_together_reserve to the drawing. */
+    struct pel_readback_slot *slots[PEL_TOGETHER_MOST];
+    struct pel_ycbcr_view planes[PEL_TOGETHER_MOST];
+    bool any_planes;
 };
 
 /* Whether this view of an environment is drawn so: the open sea by day, its
@@ -45,9 +50,14 @@ size_t pel_together_plan(struct pel_renderer *r,
                          const struct pel_environment *env,
                          const struct pel_draw *draws, size_t count);
 
-/* Draws them and begins to read them back. NO_MEMORY. */
-PEL_CHECK enum pel_err pel_together_draw(struct pel_renderer *r,
-                                         const struct pel_environment *env);
+/* Memory of the device and of the host for those planned. It may take the
+ * driver a millisecond a view, and is not for a device's turn (render/turn.h).
+ * NO_MEMORY. */
+PEL_CHECK enum pel_err pel_together_reserve(struct pel_renderer *r);
+
+/* Draws what memory was reserved for and begins to read it back. */
+void pel_together_draw(struct pel_renderer *r,
+                       const struct pel_environment *env);
 
 void pel_together_finish(struct pel_together *t);
 

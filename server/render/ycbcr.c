@@ -55,8 +55,8 @@ static size_t pixel_bytes(const struct pel_ycbcr_view *v)
     return (size_t)v->width * v->height * 4;
 }
 
-void pel_ycbcr_begin(struct pel_ycbcr_pass *p, struct pel_ycbcr_view *views,
-                     size_t count)
+void pel_ycbcr_fit(struct pel_ycbcr_pass *p, struct pel_ycbcr_view *views,
+                   size_t count)
 {
     size_t size = 0;
     for (size_t i = 0; i < count; i++) {
@@ -71,6 +71,11 @@ void pel_ycbcr_begin(struct pel_ycbcr_pass *p, struct pel_ycbcr_view *views,
         glObjectLabel(GL_BUFFER, p->colors, -1, "colours together");
         p->capacity = size;
     }
+}
+
+void pel_ycbcr_begin(struct pel_ycbcr_pass *p,
+                     const struct pel_ycbcr_view *views, size_t count)
+{
     for (size_t i = 0; i < PEL_TOGETHER_MOST; i++) {
         const struct pel_ycbcr_view *v = &views[i < count ? i : 0];
         glBindBufferRange(

@@ -45,9 +45,12 @@ struct pel_ycbcr_view {
 };
 
 /* Gives each its place in memory that shaders write colours into, top row
- * first, and behind them the EV100, and binds it at PEL_STORE_PICTURES. */
-void pel_ycbcr_begin(struct pel_ycbcr_pass *p, struct pel_ycbcr_view *views,
-                     size_t count);
+ * first, and behind them the EV100. */
+void pel_ycbcr_fit(struct pel_ycbcr_pass *p, struct pel_ycbcr_view *views,
+                   size_t count);
+/* Binds their places at PEL_STORE_PICTURES. */
+void pel_ycbcr_begin(struct pel_ycbcr_pass *p,
+                     const struct pel_ycbcr_view *views, size_t count);
 /* From there into their slots, as planes or as they are. */
 void pel_ycbcr_end(struct pel_ycbcr_pass *p, const struct pel_ycbcr_view *views,
                    size_t count);

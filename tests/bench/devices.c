@@ -5,16 +5,17 @@
  *   bench_devices [--views 64] [--size 1280x720]
  *                 [--codec jpeg|h264|none|planes]
  *                 [--ask] [--threads N] [--seconds 4] [--lose N]
- *                 [--count N] [--hz 240] LIST...
+ *                 [--withdraw] [--count N] [--hz 240] LIST...
  *
  * Each LIST is one of pelagosd --device. Views are live (at most --hz, 67
  * million pixels together), or with --ask each is asked for again as soon as it
  * is there, every time of another moment. The lists take turns, three times
  * each; medians. --count: one list until so many pictures, and what they leave
  * of heap, descriptors and threads. --lose: the last device of each list
- * pretends to be lost every N pictures. --codec none: views are drawn and read
- * back by a thread a device and no more, frames 1/30 s apart, each device its
- * share of the views; planes: as JPEG's encoder takes them. */
+ * pretends to be lost every N pictures; with --withdraw it is not to be had
+ * again after the first N. --codec none: views are drawn and read back by a
+ * thread a device and no more, frames 1/30 s apart, each device its share of
+ * the views; planes: as JPEG's encoder takes them. */
 #include <dirent.h>
 #include <getopt.h>
 #include <malloc.h>
@@ -40,7 +41,7 @@
 static struct {
     int views, threads, lose;
     unsigned width, height;
-    bool h264, drawn, planes, ask;
+    bool h264, drawn, planes, ask, withdraw;
     double seconds, hz;
     uint64_t count;
 } options = {
@@ -174,6 +175,7 @@ static void begin(const char *list)
         .encoder_threads = options.threads,
         .lose_after = (unsigned)options.lose,
         .lose_only = options.lose ? losing : -1,
+        .lose_for_good = options.withdraw,
     };
     struct pel_fault fault;
     if (pel_frames_create(&o, scene, &frames, &fault) != PEL_OK) {
@@ -430,6 +432,8 @@ static double measure(const char *list, int round)
     reset();
     struct busy before[MANY_NAMES];
     int names = look_at_threads(before);
+    struct pel_frames_stats first, s;
+    pel_frames_get_stats(frames, &first);
     int64_t began = pel_now_ns();
     run_for(options.seconds);
     double seconds = (double)(pel_now_ns() - began) * 1e-9;
@@ -440,12 +444,12 @@ static double measure(const char *list, int round)
             printf(" %llu", (unsigned long long)by_device[i]);
         }
     }
-    struct pel_frames_stats s;
     pel_frames_get_stats(frames, &s);
     printf("; %.1f ms between two at most, %.1f of views beside the last "
-           "device's, %llu failed, %llu losses\n",
+           "device's, %llu failed, %llu losses meanwhile\n",
            (double)worst_ns * 1e-6, (double)worst_kept_ns * 1e-6,
-           (unsigned long long)failures, (unsigned long long)s.losses);
+           (unsigned long long)failures,
+           (unsigned long long)(s.losses - first.losses));
     say_busy(before, names, seconds);
     fflush(stdout);
     end();
@@ -511,6 +515,7 @@ static void read_options(int argc, char **argv)
         { "seconds", required_argument, NULL, 't' },
         { "threads", required_argument, NULL, 'n' },
         { "lose", required_argument, NULL, 'l' },
+        { "withdraw", no_argument, NULL, 'w' },
         { "count", required_argument, NULL, 'k' },
         { "ask", no_argument, NULL, 'a' },
         { "hz", required_argument, NULL, 'h' },
@@ -539,6 +544,9 @@ static void read_options(int argc, char **argv)
             break;
         case 'l':
             options.lose = atoi(optarg);
+            break;
+        case 'w':
+            options.withdraw = true;
             break;
         case 'k':
             options.count = strtoull(optarg, NULL, 10);
