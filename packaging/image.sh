@@ -39,6 +39,7 @@ umoci config --image "$work/oci:$version" --config.user pelagos \
     --config.entrypoint /usr/libexec/pelagos/start.sh \
     --config.env PATH=/usr/sbin:/usr/bin:/sbin:/bin \
     --config.env MESA_SHADER_CACHE_DIR=/var/cache/pelagos \
+    --config.env XDG_CACHE_HOME=/var/cache/pelagos \
     --config.env GST_REGISTRY=/var/cache/pelagos/gstreamer.bin \
     --config.exposedports 8080/tcp --config.exposedports 7878/tcp \
     --config.exposedports 8554/tcp --config.volume /var/lib/pelagos \

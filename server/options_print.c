@@ -179,7 +179,11 @@ static void print_man_tail(FILE *to)
         ".SH ENVIRONMENT\n"
         ".TP\n.B NOTIFY_SOCKET, WATCHDOG_USEC\nReadiness and watchdog, as "
         "\\fBsystemd\\fR(1) sets them.\n"
-        ".TP\n.B MESA_SHADER_CACHE_DIR\nWhere Mesa keeps compiled shaders.\n",
+        ".TP\n.B MESA_SHADER_CACHE_DIR\nWhere Mesa keeps compiled shaders.\n"
+        ".TP\n.B XDG_CACHE_HOME\nWhere NVIDIA's driver keeps them, ~/.cache "
+        "without it. It makes no such directory: where there is none that it "
+        "can write to, each start and each loss of the device takes seconds "
+        "more.\n",
         to);
     for (const struct pel_option *o = pel_developer_table; o->name; o++) {
         char values[160];

@@ -673,6 +673,7 @@ class Protobuf(Case):
                  f"location={saved}"], capture_output=True, timeout=SLOW_S)
             self.assertEqual(os.path.getsize(saved) > 1000, protocol == "tcp",
                              done.stderr)
+        self.assertNotIn("CRITICAL", self.secure.log())
 
     def test_sighup(self):
         """Another token and certificate; what is bad changes nothing."""

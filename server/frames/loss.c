@@ -140,9 +140,12 @@ static void stand_again(struct pel_renderloop *loop, bool software)
         bool peers = pel_renderloop_pass_on(loop);
         bool hopes = !software && (peers || pel_now_ns() < end_ns);
         /* Without a software device the other stays the only one. */
-        if (try_again(loop, !hopes && i % 2 == 0, hopes, &fault) == PEL_OK ||
-            peers) {
+        bool processor = !hopes && i % 2 == 0;
+        if (try_again(loop, processor, hopes, &fault) == PEL_OK || peers) {
             break;
+        }
+        if (processor) {
+            continue; /* to the other at once */
         }
         if (!hopes) {
             static struct pel_log_limit limit;

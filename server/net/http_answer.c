@@ -670,11 +670,12 @@ void pel_http_call_off(struct client *client)
         pel_frames_cancel(pel_http_frames(client), client->frame_id);
         client->frame_id = 0;
     }
-    if (client->waiter && pel_hls_forget(client->server->hls, client->waiter)) {
+    if (client->waiter &&
+        (pel_hls_forget(client->server->hls, client->waiter) ||
+         pel_whep_forget(client->server->whep, client->waiter))) {
         pel_http_wait_end(client->waiter);
     }
     if (client->waiter) {
-        pel_whep_forget(client->server->whep, client->waiter);
         client->waiter->client = NULL;
         if (client->waiter->series) {
             pel_series_cancel(client->waiter->series);

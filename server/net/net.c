@@ -80,8 +80,9 @@ static bool accept_tcp(void *user, int fd, const struct sockaddr *address,
     if (!net->tls) {
         return pel_sessions_accept(net->sessions, fd, PEL_TRANSPORT_TCP);
     }
-    int plain = pel_tls_serve(net->tls, fd, net->options.limits.session_login_s,
-                              net->options.limits.session_stall_s);
+    int plain =
+        pel_tls_serve(net->tls, fd, false, net->options.limits.session_login_s,
+                      net->options.limits.session_stall_s);
     if (plain >= 0 &&
         !pel_sessions_accept(net->sessions, plain, PEL_TRANSPORT_TCP)) {
         close(plain); /* the refusal still goes out */

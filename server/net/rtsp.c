@@ -433,7 +433,7 @@ static bool accept_client(void *user, int fd, const struct sockaddr *address,
         return false;
     }
     if (rtsp->tls) {
-        client.fd = pel_tls_serve(rtsp->tls, fd, HANDSHAKE_S, STALL_S);
+        client.fd = pel_tls_serve(rtsp->tls, fd, true, HANDSHAKE_S, STALL_S);
         if (client.fd < 0) {
             rtsp->refused++;
             return true; /* closed already */

@@ -1,5 +1,6 @@
 #include "net/tls.h"
 
+#include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <stdbool.h>
@@ -353,14 +354,72 @@ static void run_client(void *user, GIOCondition ready)
     run(pump, ready);
 }
 
-int pel_tls_serve(struct pel_tls *tls, int fd, double handshake_s,
+/* --- pairs of sockets ------------------------------------------------------
+ */
+
+static bool is_bound_to(int fd, const struct sockaddr_in *address)
+{
+    struct sockaddr_in own;
+    socklen_t size = sizeof own;
+    return getsockname(fd, (struct sockaddr *)&own, &size) == 0 &&
+           own.sin_port == address->sin_port &&
+           own.sin_addr.s_addr == address->sin_addr.s_addr;
+}
+
+/* One that connects to `listener`; the other end is checked to be its: for a
+ * moment anybody on this machine may connect. -1: they are not a pair. */
+static int connect_inet(int listener, int *other)
+{
+    struct sockaddr_in at = { 0 }, from = { 0 };
+    socklen_t size = sizeof at, from_size = sizeof from;
+    int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    *other = -1;
+    if (fd >= 0 && getsockname(listener, (struct sockaddr *)&at, &size) == 0 &&
+        connect(fd, (struct sockaddr *)&at, size) == 0) {
+        *other = accept4(listener, (struct sockaddr *)&from, &from_size,
+                         SOCK_CLOEXEC | SOCK_NONBLOCK);
+    }
+    if (*other >= 0 && is_bound_to(fd, &from) &&
+        fcntl(fd, F_SETFL, O_NONBLOCK) == 0) {
+        return fd;
+    }
+    close(fd);
+    close(*other);
+    return -1;
+}
+
+static bool pair_inet(int pair[2])
+{
+    struct sockaddr_in any = { .sin_family = AF_INET };
+    int on = 1;
+    any.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    bool made = listener >= 0 &&
+                bind(listener, (struct sockaddr *)&any, sizeof any) == 0 &&
+                listen(listener, 1) == 0 &&
+                (pair[0] = connect_inet(listener, &pair[1])) >= 0;
+    close(listener);
+    for (int i = 0; made && i < 2; i++) {
+        setsockopt(pair[i], IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    }
+    return made;
+}
+
+static bool pair_unix(int pair[2])
+{
+    return socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0,
+                      pair) == 0;
+}
+
+/* -------------------------------------------------------------------------- */
+
+int pel_tls_serve(struct pel_tls *tls, int fd, bool inet, double handshake_s,
                   double stall_s)
 {
     int pair[2], on = 1;
     SSL *ssl = SSL_new(tls->context);
     if (!ssl || SSL_set_fd(ssl, fd) != 1 ||
-        socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0,
-                   pair) != 0) {
+        !(inet ? pair_inet(pair) : pair_unix(pair))) {
         SSL_free(ssl);
         close(fd);
         return -1;

@@ -3,6 +3,8 @@
  * another. Control thread. */
 #pragma once
 
+#include <stdbool.h>
+
 #include "base/err.h"
 
 struct pel_tls;
@@ -25,7 +27,8 @@ PEL_CHECK enum pel_err pel_tls_reload(struct pel_tls *tls,
 /* Serves TLS on the TCP socket fd, which it takes over, and returns the plain
  * end: a non-blocking stream socket of the caller's; -1 without descriptors.
  * What the caller wrote before closing it still goes out; the client's end is
- * the plain end's. The handshake may take `handshake_s`, a reader that takes
- * nothing `stall_s` seconds. */
-int pel_tls_serve(struct pel_tls *tls, int fd, double handshake_s,
+ * the plain end's. It is a TCP socket where `inet` is true, for callers that
+ * ask a socket for its IP address, else a Unix one. The handshake may take
+ * `handshake_s`, a reader that takes nothing `stall_s` seconds. */
+int pel_tls_serve(struct pel_tls *tls, int fd, bool inet, double handshake_s,
                   double stall_s);

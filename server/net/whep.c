@@ -337,16 +337,17 @@ enum pel_err pel_whep_ask(struct pel_whep *whep,
     return PEL_OK;
 }
 
-void pel_whep_forget(struct pel_whep *whep, const void *user)
+bool pel_whep_forget(struct pel_whep *whep, const void *user)
 {
     for (guint i = 0; i < whep->sessions->len; i++) {
         struct session *s = g_ptr_array_index(whep->sessions, i);
         if (s->done && s->user == user) {
             s->done = NULL;
             end_session(s, PEL_ERR_BUSY, "");
-            return;
+            return true;
         }
     }
+    return false;
 }
 
 bool pel_whep_end(struct pel_whep *whep, const char *id)

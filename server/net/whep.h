@@ -47,9 +47,9 @@ PEL_CHECK enum pel_err pel_whep_ask(struct pel_whep *whep,
                                     pel_whep_done done, void *user,
                                     struct pel_fault *fault);
 
-/* Nobody waits any more for the answer that was asked with this user: it is
- * not called, the session ends. */
-void pel_whep_forget(struct pel_whep *whep, const void *user);
+/* Nobody waits any more for the answer that was asked with this user: `done` is
+ * not called, the session ends. False: it was called, or none was asked. */
+bool pel_whep_forget(struct pel_whep *whep, const void *user);
 
 /* False: there is no such session. */
 bool pel_whep_end(struct pel_whep *whep, const char *id);

@@ -3,12 +3,15 @@
 #include <dlfcn.h>
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
+#include <errno.h>
 #include <limits.h>
 #include <link.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/log.h"
 
@@ -193,6 +196,26 @@ static void pin_driver(void)
     }
 }
 
+/* NVIDIA's driver says nothing where it has no place for compiled shaders, and
+ * compiles in the first picture of each context. */
+static void look_for_cache(void)
+{
+    static atomic_flag told = ATOMIC_FLAG_INIT;
+    const char *vendor = (const char *)glGetString(GL_VENDOR);
+    const char *own = getenv("XDG_CACHE_HOME");
+    const char *home = own ? own : getenv("HOME");
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s%s", home ? home : "", own ? "" : "/.cache");
+    if (vendor && strncmp(vendor, "NVIDIA", 6) == 0 &&
+        access(path, W_OK | X_OK) != 0 && !atomic_flag_test_and_set(&told)) {
+        pel_warn("RND-045",
+                 "the driver cannot keep compiled shaders, as %s %s: each "
+                 "start and each loss of the device takes seconds more; set "
+                 "XDG_CACHE_HOME to a directory that can be written",
+                 path, errno == ENOENT ? "is not there" : "cannot be written");
+    }
+}
+
 enum pel_err pel_context_init(struct pel_context *context, const char *device,
                               bool debug, struct pel_fault *fault)
 {
@@ -245,6 +268,7 @@ enum pel_err pel_context_init(struct pel_context *context, const char *device,
                              code);
     }
     pin_driver();
+    look_for_cache();
     const char *renderer = (const char *)glGetString(GL_RENDERER);
     snprintf(context->description, sizeof context->description, "%s, OpenGL %s",
              renderer, (const char *)glGetString(GL_VERSION));
