@@ -135,12 +135,81 @@ static void sizes_are_checked(void **state)
     assert_null(scratch.data);
 }
 
+static struct pel_planes_given given(const struct pel_planes *p)
+{
+    return (struct pel_planes_given){ p->y,        p->u,        p->v,
+                                      p->y_stride, p->u_stride, p->v_stride,
+                                      p->width,    p->height };
+}
+
+/* Planes of one colour stay it, cut, scaled and laid out anew. */
+static void planes_are_taken(void **state)
+{
+    (void)state;
+    static struct canvas from, to;
+    for (int form = 0; form < 2; form++) {
+        for (int scaled = 0; scaled < 2; scaled++) {
+            struct pel_planes_scratch scratch = { 0 };
+            const bool paired = form == 1;
+            const struct pel_planes in = planes_of(&from, 32, 16, paired);
+            const struct pel_planes out = planes_of(&to, 14, 10, false);
+            const struct pel_planes_given here = given(&in);
+            memset(&to, 0, sizeof to);
+            memset(from.y, 100, MOST);
+            for (int i = 0; i < MOST; i++) {
+                from.u[i] = paired && i % 2 ? 70 : 50;
+            }
+            memset(from.v, 70, MOST);
+            assert_int_equal(pel_planes_take(&here, scaled, &scratch, &out),
+                             PEL_OK);
+            for (int i = 0; i < 14 * 10; i++) {
+                assert_int_equal(to.y[i], 100);
+            }
+            for (int i = 0; i < 7 * 5; i++) {
+                assert_int_equal(to.u[i], 50);
+                assert_int_equal(to.v[i], 70);
+            }
+            pel_planes_scratch_finish(&scratch);
+        }
+    }
+}
+
+static void what_cannot_be_taken_is_refused(void **state)
+{
+    (void)state;
+    static struct canvas from, to;
+    struct pel_planes_scratch scratch = { 0 };
+    const struct pel_planes in = planes_of(&from, 16, 16, false);
+    const struct {
+        uint32_t from_width, width, height;
+        bool scaled, paired;
+    } refused[] = {
+        { 16, 16, 16, false, true }, /* planes do not become pairs */
+        { 16, 18, 16, false, false }, { 16, 16, 18, false, false },
+        { 0, 16, 16, true, false },   { 16385, 16, 16, true, false },
+        { 16, 0, 16, true, false },   { 16, 16, 16385, true, false },
+    };
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        struct pel_planes_given here = given(&in);
+        struct pel_planes out = planes_of(&to, 16, 16, refused[i].paired);
+        here.width = refused[i].from_width;
+        out.width = refused[i].width;
+        out.height = refused[i].height;
+        assert_int_equal(
+            pel_planes_take(&here, refused[i].scaled, &scratch, &out),
+            PEL_ERR_INVALID);
+    }
+    assert_null(scratch.data);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(colours_are_those_of_bt601),
         cmocka_unit_test(scaling_keeps_places),
         cmocka_unit_test(sizes_are_checked),
+        cmocka_unit_test(planes_are_taken),
+        cmocka_unit_test(what_cannot_be_taken_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
