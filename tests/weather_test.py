@@ -562,15 +562,17 @@ class Sea(unittest.TestCase):
             return pictures, daemon.state()["sea"]
 
     def test_replay(self):
+        begun = 1000  # what is asked for is not of the seconds before it began
         for mode in ("STEPPED", "FREE"):
             log = os.path.join(self.folder, f"{mode}.pelog")
             pictures = {}
             with Daemon("--weather", self.folder, "--record", log) as daemon:
-                self.begin(daemon, mode, ship=dict(SHIP, speed=200))
+                self.begin(daemon, mode, ship=dict(SHIP, speed=200, poseTime=begun),
+                           time=begun)
                 self.settled(daemon)
                 for i in range(4):
                     if mode == "STEPPED":
-                        self.step(daemon, 3 * i + 3)
+                        self.step(daemon, begun + 3 * i + 3)
                     else:
                         time.sleep(1.2)
                         until("its sea is built", lambda: daemon.metrics()[
