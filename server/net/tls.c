@@ -359,7 +359,7 @@ static void run_client(void *user, GIOCondition ready)
 
 static bool is_bound_to(int fd, const struct sockaddr_in *address)
 {
-    struct sockaddr_in own;
+    struct sockaddr_in own = { 0 };
     socklen_t size = sizeof own;
     return getsockname(fd, (struct sockaddr *)&own, &size) == 0 &&
            own.sin_port == address->sin_port &&
@@ -383,8 +383,12 @@ static int connect_inet(int listener, int *other)
         fcntl(fd, F_SETFL, O_NONBLOCK) == 0) {
         return fd;
     }
-    close(fd);
-    close(*other);
+    if (fd >= 0) {
+        close(fd);
+    }
+    if (*other >= 0) {
+        close(*other);
+    }
     return -1;
 }
 
@@ -394,8 +398,10 @@ static bool pair_inet(int pair[2])
     int on = 1;
     any.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    bool made = listener >= 0 &&
-                bind(listener, (struct sockaddr *)&any, sizeof any) == 0 &&
+    if (listener < 0) {
+        return false;
+    }
+    bool made = bind(listener, (struct sockaddr *)&any, sizeof any) == 0 &&
                 listen(listener, 1) == 0 &&
                 (pair[0] = connect_inet(listener, &pair[1])) >= 0;
     close(listener);
