@@ -210,7 +210,10 @@ static const struct ctl_option replay_options[] = {
       NULL },
     { 0, "view", "VIEW", "The view to save (bridge)", NULL },
     { 0, "every", "SECONDS", "Simulated time between two frames (1)", NULL },
-    { 0, "at", "LIST", "Save frames of these simulated times only", NULL },
+    { 0, "at", "LIST",
+      "Save frames of these simulated times only, each where the clock first "
+      "shows it",
+      NULL },
     { 0 },
 };
 static const char *const replay_examples[] = {

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <glib.h>
@@ -23,6 +24,7 @@
 
 #define MOST_PEM (1 << 20) /* bytes of a certificate with its chain */
 #define BLOCK 16384        /* a TLS record */
+#define PAIRING_US 10000   /* where strangers fill the queue of a pair */
 #define ROUNDS_A_TURN 16   /* of BLOCK bytes, then the others have theirs */
 
 struct pel_tls {
@@ -372,9 +374,12 @@ static int connect_inet(int listener, int *other)
 {
     struct sockaddr_in at = { 0 }, from = { 0 };
     socklen_t size = sizeof at, from_size = sizeof from;
+    const struct timeval most = { .tv_usec = PAIRING_US };
     int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
     *other = -1;
-    if (fd >= 0 && getsockname(listener, (struct sockaddr *)&at, &size) == 0 &&
+    if (fd >= 0 &&
+        setsockopt(fd, SOL_SOCKET, SO_SNDTIMEO, &most, sizeof most) == 0 &&
+        getsockname(listener, (struct sockaddr *)&at, &size) == 0 &&
         connect(fd, (struct sockaddr *)&at, size) == 0) {
         *other = accept4(listener, (struct sockaddr *)&from, &from_size,
                          SOCK_CLOEXEC | SOCK_NONBLOCK);
@@ -397,7 +402,8 @@ static bool pair_inet(int pair[2])
     struct sockaddr_in any = { .sin_family = AF_INET };
     int on = 1;
     any.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    int listener = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    int listener =
+        socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (listener < 0) {
         return false;
     }
