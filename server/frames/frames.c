@@ -120,7 +120,7 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
             .shading = o->shading,
             .debug = o->gl_debug,
             .lose_after = o->lose_after,
-            .withdrawn = o->lose_for_good,
+            .lose_for_good = o->lose_for_good,
             .filtering.paper = o->paper_form,
         },
     };

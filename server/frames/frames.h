@@ -28,7 +28,7 @@ struct pel_frames_options {
     bool gl_debug;
     unsigned lose_after; /* as pel_renderer_options */
     int lose_only;       /* as pel_devices_options */
-    bool lose_for_good;  /* as pel_renderer_options.withdrawn */
+    bool lose_for_good;  /* as well */
     bool paper_form;     /* pel_filtering.paper */
     double max_fps;      /* cap of live views, 1..240 */
     double quality; /* scale of live views, 0.25..1; 0: as holds their rate */

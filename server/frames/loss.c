@@ -217,7 +217,7 @@ void pel_loss_recover(struct pel_renderloop *loop)
         pel_renderer_destroy(loop->renderer);
     } /* else it is left: its memory is still read */
     loop->renderer = NULL;
-    if (loop->options.withdrawn) {
+    if (loop->options.lose_for_good) {
         loop->options.device = WITHDRAWN;
     }
     loop->out = often && peers;

@@ -24,7 +24,7 @@
 
 #define MOST_PEM (1 << 20) /* bytes of a certificate with its chain */
 #define BLOCK 16384        /* a TLS record */
-#define PAIRING_US 10000   /* where strangers fill the queue of a pair */
+#define PAIRING_US 1000    /* where strangers fill the queue of a pair */
 #define ROUNDS_A_TURN 16   /* of BLOCK bytes, then the others have theirs */
 
 struct pel_tls {
@@ -431,7 +431,7 @@ int pel_tls_serve(struct pel_tls *tls, int fd, bool inet, double handshake_s,
     int pair[2], on = 1;
     SSL *ssl = SSL_new(tls->context);
     if (!ssl || SSL_set_fd(ssl, fd) != 1 ||
-        !(inet ? pair_inet(pair) : pair_unix(pair))) {
+        !((inet && pair_inet(pair)) || pair_unix(pair))) {
         SSL_free(ssl);
         close(fd);
         return -1;

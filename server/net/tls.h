@@ -27,8 +27,9 @@ PEL_CHECK enum pel_err pel_tls_reload(struct pel_tls *tls,
 /* Serves TLS on the TCP socket fd, which it takes over, and returns the plain
  * end: a non-blocking stream socket of the caller's; -1 without descriptors.
  * What the caller wrote before closing it still goes out; the client's end is
- * the plain end's. It is a TCP socket where `inet` is true, for callers that
- * ask a socket for its IP address, else a Unix one. The handshake may take
- * `handshake_s`, a reader that takes nothing `stall_s` seconds. */
+ * the plain end's. It is a TCP socket where `inet` is true and one can be
+ * had at once, for callers that ask a socket for its IP address, else a Unix
+ * one. The handshake may take `handshake_s`, a reader that takes nothing
+ * `stall_s` seconds. */
 int pel_tls_serve(struct pel_tls *tls, int fd, bool inet, double handshake_s,
                   double stall_s);

@@ -144,7 +144,7 @@ void pel_renderer_destroy(struct pel_renderer *r)
         pel_stage_timer_finish(&r->timing);
     }
     pel_context_finish(&r->context);
-    pel_turn_count(-counted);
+    pel_turn_count(-counted); /* not before: its memory goes by the driver */
     free(r->mesh);
     free(r);
 }

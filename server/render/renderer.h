@@ -30,7 +30,7 @@ struct pel_renderer_options {
     bool debug;             /* GL debug output to the log */
     unsigned lose_after;    /* pretends that the device is lost after so many
                                pictures, for tests; 0: never */
-    bool withdrawn;         /* and that it cannot be had again */
+    bool lose_for_good;     /* and that it cannot be had again */
     struct pel_filtering filtering;
 };
 
