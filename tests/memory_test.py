@@ -3,12 +3,13 @@
 took that come and go, goes back to the system."""
 import os
 import sys
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)),
                                 "..", "clients", "python"))
-from pelagos_daemon import SANITIZED, Daemon, Session
+from pelagos_daemon import SANITIZED, Daemon, Session, until
 from pelagos.schema import LAYERS
 
 ALL = ",".join(LAYERS)
@@ -60,6 +61,43 @@ class Memory(unittest.TestCase):
             kept = daemon.rss() - used
             print(f"{used / 1e6:.0f} MB in use, {kept / 1e6:.0f} MB beside")
             self.assertLess(kept, 105e6)
+
+    @unittest.skipIf(SANITIZED, "sanitizers keep freed memory back")
+    def test_what_nobody_asks_for(self):
+        """Fields of moments, 16 MB each, and what pictures under water need
+        are there as long as somebody asks for such things."""
+        def heap():
+            return daemon.metrics()["process_heap_bytes"]
+
+        def picture(up):
+            daemon.patch({"views": {"bridge": {"up": up}}})
+            self.assertEqual(daemon.get("/v1/views/bridge/frame.jpg",
+                                        timeout=120).status, 200)
+        with Daemon(unix=True) as daemon:
+            daemon.patch({"sea": {"synthesiser": "FFT"},
+                          "views": {"bridge": {"width": 480, "height": 270}}})
+            picture(20)
+            before = heap()
+            with Session(daemon.connect_unix()) as session:
+                for _ in range(6):
+                    session.ask(surface={"points": [{"east": 1, "north": 2}]})
+                    time.sleep(0.05)
+                asked = heap()
+                until("the fields go back",
+                      lambda: heap() < asked - 0.8 * (asked - before), 30)
+            self.assertGreater(asked - before, 25e6)
+            picture(-2)
+            wet = heap()
+            picture(20)
+            dry = heap()
+
+            def rested():
+                picture(20)
+                return heap() < dry - 25e6
+            until("the water's light goes back", rested, 30)
+            print(f"queries {(asked - before) / 1e6:.0f} MB for 5 s, "
+                  f"{(dry - heap()) / 1e6:.0f} of {wet / 1e6:.0f} MB after 10 s "
+                  f"above water")
 
 
 if __name__ == "__main__":

@@ -8,10 +8,14 @@
 #include "base/clock.h"
 #include "base/lock.h"
 #include "base/urgent.h"
+#include "ocean/fields.h"
 
 /* Points of a slice: a tenth of a millisecond of work. */
 #define SLICE 128
 #define STOP_NS 1000000000LL
+#define KEPT_NS                                                                \
+    5000000000LL /* what was computed for queries, after the last              \
+                  */
 
 /* A moment to be prepared. */
 struct prefetched {
@@ -111,7 +115,13 @@ static void idle(struct worker *worker)
     struct pel_surface_pool *self = worker->all;
     int next = next_prefetch(self);
     if (next < 0) {
-        pthread_cond_wait(&self->asked, &self->lock);
+        int64_t before_ns = pel_now_ns();
+        pel_cond_wait_ns(&self->asked, &self->lock, KEPT_NS);
+        if (pel_now_ns() - before_ns >= KEPT_NS) {
+            pthread_mutex_unlock(&self->lock);
+            pel_fields_forget(before_ns);
+            pthread_mutex_lock(&self->lock);
+        }
         return;
     }
     int64_t wait_ns = self->prefetched[next].begin_ns - pel_now_ns();

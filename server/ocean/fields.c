@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/lock.h"
 #include "ocean/evolve.h"
 #include "ocean/foam.h"
@@ -126,6 +127,7 @@ struct pel_kept_fields {
     unsigned users;
     bool stale; /* out of the cache: its last user frees it */
     uint64_t used;
+    int64_t used_ns;
 };
 
 struct pel_fields_cache {
@@ -134,7 +136,13 @@ struct pel_fields_cache {
     struct pel_kept_fields *kept[KEPT];
     uint64_t clock;
     struct pel_evolve_work *works[MOST_WORKS]; /* idle ones */
+    int64_t worked_ns;
+    struct pel_fields_cache *before, *after; /* of all that there are */
 };
+
+/* All caches there are; a cache's own lock is taken after this one. */
+static pthread_mutex_t all_lock = PTHREAD_MUTEX_INITIALIZER;
+static struct pel_fields_cache *all;
 
 bool pel_fields_cache_init(struct pel_fields_cache **out)
 {
@@ -144,6 +152,13 @@ bool pel_fields_cache_init(struct pel_fields_cache **out)
     }
     pel_lock_init(&c->lock);
     pthread_cond_init(&c->changed, NULL);
+    pthread_mutex_lock(&all_lock);
+    c->after = all;
+    if (all) {
+        all->before = c;
+    }
+    all = c;
+    pthread_mutex_unlock(&all_lock);
     *out = c;
     return true;
 }
@@ -163,6 +178,12 @@ void pel_fields_cache_finish(struct pel_fields_cache *cache)
     if (!cache) {
         return;
     }
+    pthread_mutex_lock(&all_lock);
+    *(cache->before ? &cache->before->after : &all) = cache->after;
+    if (cache->after) {
+        cache->after->before = cache->before;
+    }
+    pthread_mutex_unlock(&all_lock);
     for (int i = 0; i < KEPT; i++) {
         drop(cache->kept[i]);
     }
@@ -226,6 +247,7 @@ static struct pel_kept_fields *open_moment(struct pel_fields_cache *cache,
     }
     k->users++;
     k->used = ++cache->clock;
+    k->used_ns = pel_now_ns();
     return k;
 }
 
@@ -252,6 +274,7 @@ static struct pel_evolve_work *take_work(struct pel_fields_cache *cache)
 static void give_work(struct pel_fields_cache *cache,
                       struct pel_evolve_work *work)
 {
+    cache->worked_ns = pel_now_ns();
     for (int i = 0; i < MOST_WORKS; i++) {
         if (!cache->works[i]) {
             cache->works[i] = work;
@@ -259,6 +282,31 @@ static void give_work(struct pel_fields_cache *cache,
         }
     }
     pel_evolve_work_destroy(work);
+}
+
+static void forget(struct pel_fields_cache *cache, int64_t before_ns)
+{
+    struct pel_kept_fields *kept[KEPT] = { NULL };
+    struct pel_evolve_work *works[MOST_WORKS] = { NULL };
+    pthread_mutex_lock(&cache->lock);
+    for (int i = 0; i < KEPT; i++) {
+        struct pel_kept_fields *k = cache->kept[i];
+        if (k && k->users == 0 && k->used_ns <= before_ns) {
+            kept[i] = k;
+            cache->kept[i] = NULL;
+        }
+    }
+    if (cache->worked_ns <= before_ns) {
+        memcpy(works, cache->works, sizeof works);
+        memset(cache->works, 0, sizeof works);
+    }
+    pthread_mutex_unlock(&cache->lock);
+    for (int i = 0; i < KEPT; i++) {
+        drop(kept[i]);
+    }
+    for (int i = 0; i < MOST_WORKS; i++) {
+        pel_evolve_work_destroy(works[i]);
+    }
 }
 
 static struct progress *progress_of(struct pel_kept_fields *k,
@@ -387,4 +435,13 @@ bool pel_fields_prepare(const struct pel_cascades *c, double time_s,
     }
     pthread_mutex_unlock(&cache->lock);
     return whole;
+}
+
+void pel_fields_forget(int64_t before_ns)
+{
+    pthread_mutex_lock(&all_lock);
+    for (struct pel_fields_cache *cache = all; cache; cache = cache->after) {
+        forget(cache, before_ns);
+    }
+    pthread_mutex_unlock(&all_lock);
 }

@@ -43,6 +43,10 @@ bool pel_fields_prepare(const struct pel_cascades *c, double time_s,
                         enum pel_fields_depth depth, bool (*go_on)(void *user),
                         void *user);
 
+/* Gives back the fields of moments, of all seas, that nobody has asked for
+ * since before_ns (pel_now_ns), 10 to 16 MB each. Any thread. */
+void pel_fields_forget(int64_t before_ns);
+
 /* pel_sea_query (moving: pel_sea_query_moving) and pel_sea_displace over the
  * cascades; abort without memory for the fields of one moment (about 15 MB). */
 void pel_cascades_query(const struct pel_cascades *c,

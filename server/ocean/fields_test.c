@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "base/clock.h"
 #include "ocean/fields.h"
 #include "ocean/sea.h"
 
@@ -105,6 +106,16 @@ static void any_way_to_a_moment_gives_its_bits(void **state)
     }
     assert_true(
         pel_fields_prepare(sea.cascades, 12.5, PEL_FIELDS_SURGE, always, NULL));
+    ask(&sea, 12.5, true, &got);
+    assert_same(&got, &want, true);
+    /* given back, but what is in use */
+    struct pel_kept_fields *kept = NULL;
+    assert_int_equal(
+        pel_fields_take(sea.cascades, 12.5, PEL_FIELDS_REST, &kept), PEL_OK);
+    pel_fields_forget(pel_now_ns());
+    assert_true(pel_fields_of(kept)->time_s == 12.5);
+    pel_fields_give(sea.cascades, kept);
+    pel_fields_forget(pel_now_ns());
     ask(&sea, 12.5, true, &got);
     assert_same(&got, &want, true);
     pel_sea_finish(&sea);

@@ -494,6 +494,7 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
         i += views > 0 ? views : 1;
     }
     if (begun) {
+        pel_under_map_rest(&r->under);
         pel_arena_end(&r->arena);
     }
     pel_turn_end(turn);

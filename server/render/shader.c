@@ -179,6 +179,11 @@ static enum pel_err build(const char *shader_dir, const char *first,
             }
         }
         glLinkProgram(program);
+        for (int i = 0; i < 2; i++) {
+            if (shaders[i]) {
+                glDetachShader(program, shaders[i]); /* or it is kept with it */
+            }
+        }
         GLint ok = 0;
         glGetProgramiv(program, GL_LINK_STATUS, &ok);
         if (!ok) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "base/vec.h"
 #include "render/lampglow.h"
@@ -21,7 +22,8 @@
 #define TURNED (1.0 - 1.0 / PEL_WATER_INDEX)
 /* Water whose bottom is not level is taken as level ones of these depths. */
 #define DEPTHS_AN_OCTAVE 3.0
-#define FACETS 8         /* that light goes through or is mirrored by */
+#define FACETS 8 /* that light goes through or is mirrored by */
+#define REST_NS 10000000000LL
 #define FOCUS_LEAST 0.02 /* sine of the light's elevation */
 
 /* --- where the eye is ----------------------------------------------------- */
@@ -167,17 +169,34 @@ static void finish_found(struct pel_under_map *map)
     map->above = map->above_depth = map->above_fbo = 0;
 }
 
+static void finish_light(struct pel_under_map *map)
+{
+    glDeleteTextures(1, &map->map);
+    glDeleteTextures(1, &map->shafts);
+    glDeleteBuffers(2, map->kernels);
+}
+
+void pel_under_map_rest(struct pel_under_map *map)
+{
+    if (!map->map || pel_now_ns() - map->used_ns < REST_NS) {
+        return;
+    }
+    finish_light(map);
+    finish_found(map);
+    map->map = map->shafts = 0;
+    map->width = map->height = 0;
+    map->made = false; /* with it the kernels and all that lies in the map */
+}
+
 void pel_under_map_finish(struct pel_under_map *map)
 {
     for (int i = 0; i < map->program_count; i++) {
         glDeleteProgram(map->programs[i].program);
     }
     glDeleteProgram(map->map_program);
-    glDeleteTextures(1, &map->map);
-    glDeleteTextures(1, &map->shafts);
-    finish_found(map);
     glDeleteProgram(map->above_program);
-    glDeleteBuffers(2, map->kernels);
+    finish_light(map);
+    finish_found(map);
     memset(map, 0, sizeof *map);
 }
 
@@ -385,6 +404,7 @@ bool pel_under_map_bind(struct pel_under_map *map,
                         struct pel_arena *arena)
 {
     double depth_m[2], share;
+    map->used_ns = pel_now_ns();
     columns_at(env, c, depth_m, &share);
     if (!fit_medium(map, env)) {
         return false;

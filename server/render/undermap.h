@@ -67,6 +67,7 @@ struct pel_under_map {
     uint64_t version; /* counts changes of these */
     double light_key[PEL_SKY_LIGHT_KEYS + 4];
     bool made;
+    int64_t used_ns;
 };
 
 void pel_under_map_finish(struct pel_under_map *map);
@@ -86,6 +87,10 @@ bool pel_under_map_bind(struct pel_under_map *map,
                         const struct pel_camera *camera,
                         const struct pel_lens_place *place,
                         struct pel_arena *arena);
+
+/* Gives back what a picture under water needs, programs apart, where there has
+ * been none for ten seconds: 30 MB and 100 bytes a pixel. */
+void pel_under_map_rest(struct pel_under_map *map);
 
 /* The shafts about it: the same, and block `view`. */
 void pel_under_map_shafts(struct pel_under_map *map,

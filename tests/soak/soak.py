@@ -5,7 +5,10 @@ views that come, change their size and go, pictures of every format, surface
 queries, a CIGI host at 60 Hz, NMEA, Modbus, and garbage on every port.
 
 Every ten seconds a line, with the memory that is resident and the part of it
-that malloc has given out; at the end the verdict, status 1 if a bar is missed.
+that malloc has given out. After the first ten minutes, and at the end, the load
+stops, and the same state is shown for a while: what is held then may not have
+grown, whatever views and seas there were. At the end the verdict, status 1 if a
+bar is missed.
 """
 import contextlib
 import math
@@ -29,6 +32,8 @@ WARM_UP_S = min(600.0, SECONDS / 3)
 VIEWERS, STALLED = 12, 4
 # After ten minutes; a shorter load is still learning what it needs.
 MOST_GROWTH = (8 if WARM_UP_S >= 600 else 64) << 20
+# Longer than what nobody asks for is kept.
+REST_S = 15
 # Two cores draw, encode and run all clients; nobody waits for a picture here.
 SLOWEST_HEALTHZ_S = 0.25
 
@@ -201,6 +206,74 @@ def figures(daemon):
             daemon.metrics()["process_heap_bytes"])
 
 
+def rest(daemon):
+    """Shows one state until what others needed has been given back."""
+    for i in range(20):
+        daemon.request("DELETE", f"/v1/views/v{i}")
+    daemon.patch({"sea": {"windSpeed": 8, "seed": 1, "swell": []},
+                  "sky": {"visibility": 40000}})
+    for _ in range(REST_S):
+        daemon.get("/v1/views/bridge/frame.jpg")
+        time.sleep(1)
+    return figures(daemon)
+
+
+def line(at, figures_of, more=""):
+    rss, fds, threads, heap = figures_of
+    print(f"{at:>6}{rss / 1e6:8.1f}{heap / 1e6:8.1f}{fds:5}{threads:9}{more}",
+          flush=True)
+
+
+class Run:
+    """The load, in parts; its lines go on from one part to the next."""
+
+    def __init__(self, *arguments):
+        self.arguments = arguments
+        self.daemon = arguments[0]
+        self.counts, self.waits, self.faults = {}, [], []
+        self.began = time.monotonic()
+        self.peak = 0
+
+    def part(self, seconds):
+        load = Load(*self.arguments)
+        for _ in range(VIEWERS - STALLED):
+            load.start(load.viewer)
+        for _ in range(STALLED):
+            load.start(load.stalled)
+        for work in (load.edits, load.views, load.pictures, load.sessions,
+                     load.ships, load.consoles, load.host, load.garbage,
+                     load.health):
+            load.start(work)
+        end = time.monotonic() + seconds
+        last, last_counts = time.monotonic(), {}
+        while time.monotonic() < end and self.daemon.alive():
+            time.sleep(min(10.0, seconds / 6))
+            if not self.daemon.alive():
+                break
+            now, got = time.monotonic(), figures(self.daemon)
+            self.peak = max(self.peak, got[0])
+            with load.lock:
+                counts = dict(load.counts)
+            rate = [(counts.get(k, 0) - last_counts.get(k, 0)) / (now - last)
+                    for k in ("pictures seen", "edits")]
+            line(f"{now - self.began:.0f}", got,
+                 f"{rate[0]:12.1f}{rate[1]:9.1f}")
+            last, last_counts = now, counts
+        load.end.set()
+        for thread in load.threads:
+            thread.join(40)
+        for name, count in load.counts.items():
+            self.counts[name] = self.counts.get(name, 0) + count
+        self.waits += load.waits
+        self.faults += load.faults
+        if not self.daemon.alive():
+            self.faults.append("the daemon has ended")
+            return None
+        got = rest(self.daemon)
+        line("rest", got)
+        return got
+
+
 def main():
     modbus = free_port()
     nmea = free_port(socket.SOCK_DGRAM)
@@ -208,70 +281,42 @@ def main():
     daemon = Daemon("--modbus", f"127.0.0.1:{modbus}",
                     "--nmea", f"127.0.0.1:{nmea}",
                     "--cigi", f"127.0.0.1:{cigi}")
-    daemon.patch({"views": {"bridge": {"width": 480, "height": 270}}})
-    load = Load(daemon, modbus, nmea, cigi)
+    daemon.patch({"views": {"bridge": {"width": 480, "height": 270}},
+                  "sea": {"seed": 2}})  # one thread is there from an edit on
     print("   t s  rss MB heap MB  fds  threads  pictures/s  edits/s", flush=True)
-    idle = figures(daemon)
-    for _ in range(VIEWERS - STALLED):
-        load.start(load.viewer)
-    for i in range(STALLED):
-        load.start(load.stalled)
-    for work in (load.edits, load.views, load.pictures, load.sessions,
-                 load.ships, load.consoles, load.host, load.garbage, load.health):
-        load.start(work)
-    began = time.monotonic()
-    warm = None
-    peak = 0
-    last, last_counts = began, {}
-    while time.monotonic() - began < SECONDS and daemon.alive():
-        time.sleep(min(10.0, SECONDS / 6))
-        now = time.monotonic()
-        if not daemon.alive():
-            break
-        rss, fds, threads, heap = figures(daemon)
-        peak = max(peak, rss)
-        with load.lock:
-            counts = dict(load.counts)
-        rate = [(counts.get(k, 0) - last_counts.get(k, 0)) / (now - last)
-                for k in ("pictures seen", "edits")]
-        print(f"{now - began:6.0f}{rss / 1e6:8.1f}{heap / 1e6:8.1f}{fds:5}{threads:9}"
-              f"{rate[0]:12.1f}{rate[1]:9.1f}", flush=True)
-        last, last_counts = now, counts
-        if warm is None and now - began >= WARM_UP_S:
-            warm = peak
-    load.end.set()
-    for thread in load.threads:
-        thread.join(40)
-    bad = list(dict.fromkeys(load.faults))
-    if not daemon.alive():
-        bad.append("the daemon has ended")
-    else:
-        time.sleep(1)
-        after = figures(daemon)
-        print(f" after{after[0] / 1e6:8.1f}{after[3] / 1e6:8.1f}{after[1]:5}{after[2]:9}")
-        print(f"{'idle':>6}{idle[0] / 1e6:8.1f}{idle[3] / 1e6:8.1f}{idle[1]:5}{idle[2]:9}")
-        if not SANITIZED and warm and peak - warm > MOST_GROWTH:
-            bad.append(f"memory grew by {(peak - warm) / 1e6:.0f} MB "
-                       "after the warm-up")
+    idle = rest(daemon)
+    line("idle", idle)
+    run = Run(daemon, modbus, nmea, cigi)
+    warm = run.part(WARM_UP_S)
+    after = run.part(SECONDS - WARM_UP_S) if warm else None
+    bad = list(dict.fromkeys(run.faults))
+    if after:
+        print(f"at most {run.peak / 1e6:.0f} MB; what is held grew by "
+              f"{(after[0] - warm[0]) / 1e6:.1f} MB, of malloc's by "
+              f"{(after[3] - warm[3]) / 1e6:.1f} MB")
+        for name, at in (("resident", 0), ("malloc's", 3)):
+            if not SANITIZED and after[at] - warm[at] > MOST_GROWTH:
+                bad.append(f"{name} memory that is held grew by "
+                           f"{(after[at] - warm[at]) / 1e6:.0f} MB")
         if after[1] > idle[1]:
             bad.append(f"{after[1] - idle[1]} descriptors are left over")
         if after[2] > idle[2]:
             bad.append(f"{after[2] - idle[2]} threads are left over")
-    for name, count in sorted(load.counts.items()):
+    for name, count in sorted(run.counts.items()):
         print(f"{count:10} {name}")
-    waits = sorted(load.waits) or [math.inf]
+    waits = sorted(run.waits) or [math.inf]
     p99 = waits[int(0.99 * (len(waits) - 1))]
     print(f"healthz: median {1e3 * waits[len(waits) // 2]:.1f} ms, "
           f"p99 {1e3 * p99:.1f} ms")
     if not SANITIZED and p99 > SLOWEST_HEALTHZ_S:
         bad.append(f"healthz took {p99:.2f} s")
     log = daemon.log()
-    bad += [line for line in log.splitlines() if line.startswith("error")][:5]
+    bad += [text for text in log.splitlines() if text.startswith("error")][:5]
     status = daemon.stop()
     if status != 0:
         bad.append(f"pelagosd ended with {status}")
-    for line in bad[:10]:
-        print("BAD", line)
+    for text in bad[:10]:
+        print("BAD", text)
     print("soak: " + ("failed" if bad else "good"))
     return 1 if bad else 0
 
