@@ -1,5 +1,6 @@
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,7 +9,6 @@
 #include "ocean/atrest.h"
 #include "ocean/fields.h"
 #include "ocean/newton.h"
-#include "ocean/spline.h"
 
 #define N PEL_CASCADE_N
 /* So near the last step needs no new sums. */
@@ -17,48 +17,117 @@
 #define MOST_HALVINGS 10
 #define TOGETHER 8 /* points whose searches take turns */
 
-/* Where a place lies in a cascade's grid: texel below and fraction. */
-struct place {
-    int i, j;
-    double fi, fj;
+/* Two numbers a cascade: along a row of its grid, and along a column. */
+#define ALONG (2 * PEL_CASCADES)
+typedef double places __attribute__((vector_size(8 * ALONG)));
+typedef float fractions __attribute__((vector_size(4 * ALONG)));
+typedef int32_t texels __attribute__((vector_size(4 * ALONG)));
+
+/* A place's x and y times these, summed, are tiles of the grids. */
+struct grids {
+    places by_x, by_y;
 };
 
-PEL_INLINE struct place place_of(const struct pel_cascade *c, double x,
-                                 double y)
+static struct grids grids_of(const struct pel_cascades *c)
 {
-    double u = (x * c->turn_cos + y * c->turn_sin) / c->length_m;
-    double v = (y * c->turn_cos - x * c->turn_sin) / c->length_m;
-    u = (u - floor(u)) * N - 0.5;
-    v = (v - floor(v)) * N - 0.5;
-    double i = floor(u), j = floor(v);
-    return (struct place){ (int)i + N, (int)j + N, u - i, v - j };
+    struct grids g;
+    for (int i = 0; i < PEL_CASCADES; i++) {
+        const struct pel_cascade *of = &c->cascade[i];
+        double cosine = of->turn_cos / of->length_m;
+        double sine = of->turn_sin / of->length_m;
+        g.by_x[2 * i] = g.by_y[2 * i + 1] = cosine;
+        g.by_y[2 * i] = sine;
+        g.by_x[2 * i + 1] = -sine;
+    }
+    return g;
 }
 
 /* Where the cascades are read for a place. */
 struct reading {
-    struct place place[PEL_CASCADES];
+    texels below;     /* a place of 1 on texel 0's far side is texel 1's 0 */
+    fractions beyond; /* 0 .. 1 */
     struct pel_sheared sheared;
 };
 
-PEL_INLINE void read_at(const struct pel_cascades *c, struct pel_vec2 at,
-                        struct reading *r)
+PEL_INLINE void read_at(const struct pel_cascades *c, const struct grids *g,
+                        struct pel_vec2 at, struct reading *r)
 {
+    const double magic = 6755399441055744.0; /* 1.5 · 2⁵²: rounds */
     pel_shear(&c->shears, at.x, at.y, &r->sheared);
+    places x, y;
     for (int i = 0; i < PEL_CASCADES; i++) {
-        const double *place = r->sheared.place[i];
-        r->place[i] = place_of(&c->cascade[i], place[0], place[1]);
+        x[2 * i] = x[2 * i + 1] = r->sheared.place[i][0];
+        y[2 * i] = y[2 * i + 1] = r->sheared.place[i][1];
+    }
+    places tiles = x * g->by_x + y * g->by_y;
+    places at_texel = (tiles - ((tiles + magic) - magic)) * N - 0.5;
+    places below = ((at_texel - 0.5) + magic) - magic;
+    r->below = __builtin_convertvector(below, texels);
+    r->beyond = __builtin_convertvector(at_texel - below, fractions);
+}
+
+/* East, north, up and nothing of two texels: what is summed over texels is
+ * single, as they are themselves; a place is double. */
+typedef float texel __attribute__((vector_size(16)));
+typedef float pair __attribute__((vector_size(32)));
+typedef double lanes4 __attribute__((vector_size(32)));
+
+PEL_INLINE pair pair_at(float (*field)[4], int row, const int column[2])
+{
+    texel a, b;
+    memcpy(&a, field[row + column[0]], sizeof a);
+    memcpy(&b, field[row + column[1]], sizeof b);
+    return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+PEL_INLINE pair both(float a, float b)
+{
+    return (pair){ a, a, a, a, b, b, b, b };
+}
+
+PEL_INLINE lanes4 fold(pair p)
+{
+    texel low = __builtin_shufflevector(p, p, 0, 1, 2, 3);
+    texel high = __builtin_shufflevector(p, p, 4, 5, 6, 7);
+    return __builtin_convertvector(low + high, lanes4);
+}
+
+/* pel_cubic_spline of all: weights of texels −1, 0, 1, 2 and derivatives. */
+struct spline {
+    float w[4][ALONG], d[4][ALONG];
+};
+
+PEL_INLINE void splines_of(const struct reading *r, struct spline *s)
+{
+    const float sixth = 1.0f / 6.0f;
+    fractions f = r->beyond, g = 1.0f - f;
+    const fractions w[4] = {
+        g * g * g * sixth,
+        (4.0f - 6.0f * f * f + 3.0f * f * f * f) * sixth,
+        (4.0f - 6.0f * g * g + 3.0f * g * g * g) * sixth,
+        f * f * f * sixth,
+    };
+    const fractions d[4] = {
+        -0.5f * g * g,
+        f * (1.5f * f - 2.0f),
+        g * (2.0f - 1.5f * g),
+        0.5f * f * f,
+    };
+    memcpy(s->w, w, sizeof w);
+    memcpy(s->d, d, sizeof d);
+}
+
+PEL_INLINE void columns_of(const struct reading *r, int cascade, int column[4])
+{
+#pragma GCC unroll 4
+    for (int a = 0; a < 4; a++) {
+        column[a] = (r->below[2 * cascade] + a - 1) & (N - 1);
     }
 }
 
-/* East, north, up and nothing, at once. */
-typedef double lanes4 __attribute__((vector_size(32)));
-typedef float texel4 __attribute__((vector_size(16)));
-
-PEL_INLINE lanes4 texel_at(float (*texels)[4], int i, int j)
+PEL_INLINE int row_of(const struct reading *r, int cascade, int b)
 {
-    texel4 t;
-    memcpy(&t, texels[j % N * N + i % N], sizeof t);
-    return __builtin_convertvector(t, lanes4);
+    return ((r->below[2 * cascade + 1] + b - 1) & (N - 1)) * N;
 }
 
 /* What the cascades do to one rest position. */
@@ -66,63 +135,92 @@ struct shift {
     lanes4 d;      /* displacement */
     lanes4 dx, dy; /* its derivatives as interpolated */
 };
+struct sums {
+    pair d, dx, dy;
+};
 
-PEL_INLINE lanes4 sample_spline(float (*texels)[4], struct place p)
+PEL_INLINE void add_spline(float (*field)[4], const struct reading *r,
+                           const struct spline *s, int i, pair *sum)
 {
-    double wi[4], wj[4], unused[4];
-    pel_cubic_spline(p.fi, wi, unused);
-    pel_cubic_spline(p.fj, wj, unused);
-    lanes4 sum = { 0, 0, 0, 0 };
+    int column[4];
+    columns_of(r, i, column);
+    pair near = both(s->w[0][2 * i], s->w[1][2 * i]);
+    pair far = both(s->w[2][2 * i], s->w[3][2 * i]);
+#pragma GCC unroll 4
     for (int b = 0; b < 4; b++) {
-        for (int a = 0; a < 4; a++) {
-            sum += wi[a] * wj[b] * texel_at(texels, p.i + a - 1, p.j + b - 1);
-        }
+        int row = row_of(r, i, b);
+        pair along = near * pair_at(field, row, column) +
+                     far * pair_at(field, row, column + 2);
+        *sum += s->w[b][2 * i + 1] * along;
     }
-    return sum;
 }
 
-PEL_INLINE void add_shift(const struct pel_cascade *c, float (*texels)[4],
-                          struct place p, const double by[4], struct shift *s)
+PEL_INLINE void add_shift(const struct pel_cascade *c, float (*field)[4],
+                          const struct reading *r, const struct spline *s,
+                          int i, struct sums *sum)
 {
-    double wi[4], wj[4], di[4], dj[4];
-    pel_cubic_spline(p.fi, wi, di);
-    pel_cubic_spline(p.fj, wj, dj);
-    lanes4 du = { 0, 0, 0, 0 }, dv = { 0, 0, 0, 0 };
+    int column[4];
+    columns_of(r, i, column);
+    pair near = both(s->w[0][2 * i], s->w[1][2 * i]);
+    pair far = both(s->w[2][2 * i], s->w[3][2 * i]);
+    pair near_d = both(s->d[0][2 * i], s->d[1][2 * i]);
+    pair far_d = both(s->d[2][2 * i], s->d[3][2 * i]);
+    pair du = { 0 }, dv = { 0 };
+#pragma GCC unroll 4
     for (int b = 0; b < 4; b++) {
-        lanes4 row = { 0, 0, 0, 0 }, along = { 0, 0, 0, 0 };
-        for (int a = 0; a < 4; a++) {
-            lanes4 t = texel_at(texels, p.i + a - 1, p.j + b - 1);
-            row += wi[a] * t;
-            along += di[a] * t;
-        }
-        s->d += wj[b] * row;
-        du += wj[b] * along;
-        dv += dj[b] * row;
+        int row = row_of(r, i, b);
+        pair first = pair_at(field, row, column);
+        pair second = pair_at(field, row, column + 2);
+        pair along = near * first + far * second;
+        sum->d += s->w[b][2 * i + 1] * along;
+        du += s->w[b][2 * i + 1] * (near_d * first + far_d * second);
+        dv += s->d[b][2 * i + 1] * along;
     }
+    const double *by = r->sheared.by[i];
     double cosine = c->turn_cos / c->texel_m, sine = c->turn_sin / c->texel_m;
-    lanes4 by_x = du * cosine - dv * sine, by_y = du * sine + dv * cosine;
-    s->dx += by_x * by[0] + by_y * by[2];
-    s->dy += by_x * by[1] + by_y * by[3];
+    /* ∂/∂x and ∂/∂y of the place at rest, by the grid's u and v */
+    sum->dx += (float)(cosine * by[0] + sine * by[2]) * du +
+               (float)(cosine * by[2] - sine * by[0]) * dv;
+    sum->dy += (float)(cosine * by[1] + sine * by[3]) * du +
+               (float)(cosine * by[3] - sine * by[1]) * dv;
 }
 
 PEL_INLINE void shift_at(const struct pel_cascades *c,
                          const struct pel_cascade_fields *f,
-                         const struct reading *r, struct shift *s)
+                         const struct reading *r, int first, int end,
+                         struct shift *out)
 {
-    *s = (struct shift){ 0 };
-    for (int i = 0; i < PEL_CASCADES; i++) {
-        add_shift(&c->cascade[i], f->displacement[i], r->place[i],
-                  r->sheared.by[i], s);
+    struct spline s;
+    struct sums sum = { 0 };
+    splines_of(r, &s);
+    for (int i = first; i < end; i++) {
+        add_shift(&c->cascade[i], f->displacement[i], r, &s, i, &sum);
     }
+    *out = (struct shift){ fold(sum.d), fold(sum.dx), fold(sum.dy) };
+}
+
+PEL_INLINE lanes4 velocity_at(const struct pel_cascade_fields *f,
+                              const struct reading *r, int first, int end)
+{
+    struct spline s;
+    pair sum = { 0 };
+    splines_of(r, &s);
+    for (int i = first; i < end; i++) {
+        add_spline(f->velocity[i], r, &s, i, &sum);
+    }
+    return fold(sum);
 }
 
 /* Asks for the texels of a spline there, which another place's sums hide. */
-PEL_INLINE void fetch_spline(float (*texels)[4], struct place p)
+PEL_INLINE void fetch_spline(float (*field)[4], const struct reading *r, int i)
 {
-    for (int b = -1; b <= 2; b++) {
-        int row = (p.j + b) % N * N;
-        __builtin_prefetch(texels[row + (p.i - 1) % N]);
-        __builtin_prefetch(texels[row + (p.i + 2) % N]);
+    int column[4];
+    columns_of(r, i, column);
+#pragma GCC unroll 4
+    for (int b = 0; b < 4; b++) {
+        int row = row_of(r, i, b);
+        __builtin_prefetch(field[row + column[0]]);
+        __builtin_prefetch(field[row + column[3]]);
     }
 }
 
@@ -130,7 +228,7 @@ PEL_INLINE void fetch_shift(const struct pel_cascade_fields *f,
                             const struct reading *r)
 {
     for (int i = 0; i < PEL_CASCADES; i++) {
-        fetch_spline(f->displacement[i], r->place[i]);
+        fetch_spline(f->displacement[i], r, i);
     }
 }
 
@@ -138,7 +236,7 @@ PEL_INLINE void fetch_surface(const struct pel_cascade_fields *f,
                               const struct reading *r)
 {
     for (int i = 0; i < PEL_CASCADES; i++) {
-        fetch_spline(f->velocity[i], r->place[i]);
+        fetch_spline(f->velocity[i], r, i);
     }
 }
 
@@ -198,15 +296,15 @@ PEL_INLINE void search_turn(struct search *s, const struct shift *there)
  * others arrive. */
 PEL_INLINE void search_all(const struct pel_cascades *c,
                            const struct pel_cascade_fields *f,
-                           const struct pel_vec2 *points, int n,
-                           struct search *searches)
+                           const struct grids *g, const struct pel_vec2 *points,
+                           int n, struct search *searches)
 {
     int left = n;
     for (int i = 0; i < n; i++) {
         searches[i] = (struct search){ .to = points[i],
                                        .trial = points[i],
                                        .error = INFINITY };
-        read_at(c, points[i], &searches[i].reading);
+        read_at(c, g, points[i], &searches[i].reading);
         fetch_shift(f, &searches[i].reading);
     }
     while (left > 0) {
@@ -215,9 +313,9 @@ PEL_INLINE void search_all(const struct pel_cascades *c,
             struct search *s = &searches[i];
             if (!s->done) {
                 struct shift there;
-                shift_at(c, f, &s->reading, &there);
+                shift_at(c, f, &s->reading, 0, PEL_CASCADES, &there);
                 search_turn(s, &there);
-                read_at(c, s->done ? s->rest : s->trial, &s->reading);
+                read_at(c, g, s->done ? s->rest : s->trial, &s->reading);
                 if (s->done) {
                     fetch_surface(f, &s->reading);
                 } else {
@@ -235,10 +333,7 @@ PEL_INLINE void surface_at(const struct pel_cascade_fields *f,
                            const struct reading *r, const struct shift *there,
                            struct pel_surface_sample *out)
 {
-    lanes4 v = { 0, 0, 0, 0 };
-    for (int i = 0; i < PEL_CASCADES; i++) {
-        v += sample_spline(f->velocity[i], r->place[i]);
-    }
+    lanes4 v = velocity_at(f, r, 0, PEL_CASCADES);
     const lanes4 *dx = &there->dx, *dy = &there->dy;
     struct pel_vec3 along_x = { 1.0 + (*dx)[0], (*dx)[1], (*dx)[2] };
     struct pel_vec3 along_y = { (*dy)[0], 1.0 + (*dy)[1], (*dy)[2] };
@@ -249,28 +344,24 @@ PEL_INLINE void surface_at(const struct pel_cascade_fields *f,
     out->depth_m = out->foam = NAN;
 }
 
-/* Of one cascade, added to the sum. */
-PEL_INLINE void add_surge(const struct pel_cascade_fields *f, int i,
-                          struct place p, struct pel_vec2 *sum)
-{
-    double wi[4], wj[4], unused[4];
-    pel_cubic_spline(p.fi, wi, unused);
-    pel_cubic_spline(p.fj, wj, unused);
-    for (int b = 0; b < 4; b++) {
-        for (int a = 0; a < 4; a++) {
-            int at = (p.j + b - 1) % N * N + (p.i + a - 1) % N;
-            sum->x += wi[a] * wj[b] * (double)f->surge[i][at][0];
-            sum->y += wi[a] * wj[b] * (double)f->surge[i][at][1];
-        }
-    }
-}
-
 PEL_INLINE struct pel_vec2 surge_at(const struct pel_cascade_fields *f,
-                                    const struct reading *r)
+                                    const struct reading *r, int first, int end)
 {
+    struct spline s;
     struct pel_vec2 sum = { 0, 0 };
-    for (int i = 0; i < PEL_CASCADES; i++) {
-        add_surge(f, i, r->place[i], &sum);
+    splines_of(r, &s);
+    for (int i = first; i < end; i++) {
+        int column[4];
+        columns_of(r, i, column);
+        for (int b = 0; b < 4; b++) {
+            int row = row_of(r, i, b);
+            for (int a = 0; a < 4; a++) {
+                const float *surge = f->surge[i][row + column[a]];
+                float w = s.w[a][2 * i] * s.w[b][2 * i + 1];
+                sum.x += (double)(w * surge[0]);
+                sum.y += (double)(w * surge[1]);
+            }
+        }
     }
     return sum;
 }
@@ -293,16 +384,17 @@ static void query(const struct pel_cascades *c,
                   struct pel_surface_sample *out)
 {
     struct search searches[TOGETHER];
+    const struct grids g = grids_of(c);
     for (size_t from = 0; from < n; from += TOGETHER) {
         int count = (int)(n - from < TOGETHER ? n - from : TOGETHER);
-        search_all(c, f, points + from, count, searches);
+        search_all(c, f, &g, points + from, count, searches);
         for (int i = 0; i < count; i++) {
             struct pel_surface_sample *to = &out[from + (size_t)i];
             const struct reading *r = &searches[i].reading;
             surface_at(f, r, &searches[i].at, to);
             struct pel_vec3 *a = &to->acceleration_mps2;
             if (moving) {
-                struct pel_vec2 surge = surge_at(f, r);
+                struct pel_vec2 surge = surge_at(f, r, 0, PEL_CASCADES);
                 *a = (struct pel_vec3){ surge.x, surge.y, a->z };
             } else {
                 *a = (struct pel_vec3){ NAN, NAN, NAN };
@@ -329,10 +421,11 @@ struct pel_vec3 pel_cascades_displace(const struct pel_cascades *c, double x_m,
                                       double y_m, double time_s)
 {
     struct pel_kept_fields *kept = take(c, time_s, PEL_FIELDS_REST);
+    const struct grids g = grids_of(c);
     struct reading r;
     struct shift s;
-    read_at(c, (struct pel_vec2){ x_m, y_m }, &r);
-    shift_at(c, pel_fields_of(kept), &r, &s);
+    read_at(c, &g, (struct pel_vec2){ x_m, y_m }, &r);
+    shift_at(c, pel_fields_of(kept), &r, 0, PEL_CASCADES, &s);
     pel_fields_give(c, kept);
     return (struct pel_vec3){ s.d[0], s.d[1], s.d[2] };
 }
@@ -359,17 +452,20 @@ struct pel_vec2 pel_breaking_at(const struct pel_cascades *c,
 {
     const struct pel_cascade_fields *f =
         pel_fields_of((const struct pel_kept_fields *)moment);
-    struct pel_sheared sheared;
-    pel_shear(&c->shears, x, y, &sheared);
-    const struct place p = place_of(&c->cascade[index], sheared.place[index][0],
-                                    sheared.place[index][1]);
+    const struct grids g = grids_of(c);
+    struct reading r;
+    read_at(c, &g, (struct pel_vec2){ x, y }, &r);
+    double fi = (double)r.beyond[2 * index];
+    double fj = (double)r.beyond[2 * index + 1];
+    int column[4];
+    columns_of(&r, index, column);
     struct pel_vec2 z = { 0, 0 };
     for (int n = 0; n < 4; n++) {
-        int i = p.i + (n & 1), j = p.j + (n >> 1);
-        const float *texel = f->breaking[index][j % N * N + i % N];
-        double w = (n & 1 ? p.fi : 1 - p.fi) * (n & 2 ? p.fj : 1 - p.fj);
-        z.x += w * (double)texel[0];
-        z.y += w * (double)texel[1];
+        int row = row_of(&r, index, 1 + (n >> 1));
+        const float *breaking = f->breaking[index][row + column[1 + (n & 1)]];
+        double w = (n & 1 ? fi : 1 - fi) * (n & 2 ? fj : 1 - fj);
+        z.x += w * (double)breaking[0];
+        z.y += w * (double)breaking[1];
     }
     return z;
 }
@@ -385,25 +481,22 @@ void pel_moment_at_rest(const struct pel_cascades *c,
 {
     const struct pel_cascade_fields *f =
         pel_fields_of((struct pel_kept_fields *)moment);
+    const struct grids g = grids_of(c);
     struct reading r;
-    read_at(c, (struct pel_vec2){ x, y }, &r);
-    for (int i = first; i < end; i++) {
-        struct shift s = { 0 };
-        add_shift(&c->cascade[i], f->displacement[i], r.place[i],
-                  r.sheared.by[i], &s);
-        lanes4 v = sample_spline(f->velocity[i], r.place[i]);
-        for (int n = 0; n < 3; n++) {
-            out->d[n] += s.d[n];
-            out->dx[n] += s.dx[n];
-            out->dy[n] += s.dy[n];
-            out->v[n] += v[n];
-        }
-        out->a[2] += v[3];
-        if (f->surge[i]) {
-            struct pel_vec2 surge = { 0, 0 };
-            add_surge(f, i, r.place[i], &surge);
-            out->a[0] += surge.x;
-            out->a[1] += surge.y;
-        }
+    struct shift s;
+    read_at(c, &g, (struct pel_vec2){ x, y }, &r);
+    shift_at(c, f, &r, first, end, &s);
+    lanes4 v = velocity_at(f, &r, first, end);
+    for (int n = 0; n < 3; n++) {
+        out->d[n] += s.d[n];
+        out->dx[n] += s.dx[n];
+        out->dy[n] += s.dy[n];
+        out->v[n] += v[n];
+    }
+    out->a[2] += v[3];
+    if (f->surge[0]) {
+        struct pel_vec2 surge = surge_at(f, &r, first, end);
+        out->a[0] += surge.x;
+        out->a[1] += surge.y;
     }
 }

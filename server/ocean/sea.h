@@ -220,8 +220,10 @@ struct pel_surface_sample {
 
 /* The surface above the horizontal place (x, y) at time_s: solves
  * x0 + D(x0) = X by damped Newton steps until it is met within 1 µm, and
- * gives height, exact normal and velocity of the particle there. Never fails
- * for finite input. */
+ * gives height, exact normal and velocity of the particle there. Fields of FFT
+ * cascades are single, and so is what is summed over their texels: 0.1 µm at
+ * 4 m/s of wind, 1.2 µm at 18 m/s of what double sums give. Never fails for
+ * finite input. */
 void pel_sea_sample(const struct pel_sea *sea, double x_m, double y_m,
                     double time_s, struct pel_surface_sample *out);
 
