@@ -294,9 +294,9 @@ class Starved(unittest.TestCase):
 
     def test_start(self):
         """Starts, or says why not and ends."""
-        def begin(fail):
+        def begin(fail=None):
             self.starve.reset()
-            if fail:
+            if fail is not None:
                 self.starve.fail(fail)
             try:
                 d = StarvedDaemon(self.starve)
@@ -313,12 +313,9 @@ class Starved(unittest.TestCase):
             self.assertTrue(alive, text)
             self.assertEqual(status, 0, text)
             return calls, picture
-        last, picture = begin(0)
+        last, picture = begin()
         self.assertEqual(picture, 200)
         calls, of = self.chosen(0, last, SHORT_START)
-        if ALL:
-            # Of some thousands that are alike, the first and last from a place.
-            calls = sorted({c for c in self.ends(0, last)})
         sites = [(c, self.starve.site(c)) for c in calls]
         counts = collections.Counter()
         for call, site in sites:
@@ -330,13 +327,6 @@ class Starved(unittest.TestCase):
                 counts[f"picture {result[1]}"] += 1
         print(f"start {len(calls)} of {of} places, {last} calls: "
               f"{dict(counts)}")
-
-    def ends(self, first, last):
-        ends = {}
-        for call in range(first, last):
-            site = self.starve.site(call)
-            ends.setdefault(site, [call, call])[1] = call
-        return [c for pair in ends.values() for c in pair]
 
 
 if __name__ == "__main__":
