@@ -23,12 +23,13 @@ static unsigned version_of(const char *data, size_t size)
                : 0;
 }
 
-static enum pel_err newer(unsigned version, struct pel_fault *fault)
+static enum pel_err newer(unsigned version, unsigned known,
+                          struct pel_fault *fault)
 {
     return pel_fault_set(fault, PEL_ERR_CONFLICT,
                          "it is of version %u, which a newer program wrote, "
-                         "and this one reads version %d",
-                         version, PEL_LOG_VERSION);
+                         "and this one reads version %u",
+                         version, known);
 }
 
 enum pel_err pel_log_open(struct pel_log_reader *reader, const void *data,
@@ -37,7 +38,7 @@ enum pel_err pel_log_open(struct pel_log_reader *reader, const void *data,
     *reader = (struct pel_log_reader){ .data = data, .size = size };
     unsigned version = version_of(data, size);
     if (version > PEL_LOG_VERSION) {
-        return newer(version, fault);
+        return newer(version, PEL_LOG_VERSION, fault);
     }
     if (!pel_log_is(data, size)) {
         return pel_fault_set(fault, PEL_ERR_MALFORMED,
@@ -55,6 +56,14 @@ static enum pel_err malformed(const struct pel_log_reader *reader,
                          reader->entries + 1, reader->at, why);
 }
 
+static bool goes_back(const struct pel_log_reader *reader,
+                      const Pelagos__LogEntry *entry)
+{
+    bool leaps = entry->command_case == PELAGOS__LOG_ENTRY__COMMAND_STATE &&
+                 entry->missed > 0;
+    return entry->time < reader->time_s && !leaps;
+}
+
 /* What is wrong with an entry at its place; NULL: nothing. */
 static const char *flaw(const struct pel_log_reader *reader,
                         const Pelagos__LogEntry *entry)
@@ -68,11 +77,15 @@ static const char *flaw(const struct pel_log_reader *reader,
     if (!head != (reader->entries > 0)) {
         return head ? "is a second head" : "is not the head";
     }
-    if (head && (!head->has_version || head->version != PEL_LOG_VERSION)) {
+    if (head && (!head->has_version || head->version < PEL_LOG_VERSION)) {
         return "is of another version";
     }
     if (head && (!head->state || !head->state->clock)) {
         return "has no state to begin with";
+    }
+    if (entry->command_case == PELAGOS__LOG_ENTRY__COMMAND_STATE &&
+        !entry->state->clock) {
+        return "has no state to go on with";
     }
     if (!entry->has_time || !isfinite(entry->time) || entry->time < 0 ||
         entry->time > MAX_TIME_S) {
@@ -82,7 +95,7 @@ static const char *flaw(const struct pel_log_reader *reader,
         !(entry->step->has_until && entry->step->until == entry->time)) {
         return "steps to another time than its own";
     }
-    if (entry->time < reader->time_s) {
+    if (goes_back(reader, entry)) {
         return "goes back in time";
     }
     return NULL;
@@ -137,9 +150,9 @@ enum pel_err pel_log_next(struct pel_log_reader *reader,
     Pelagos__LogEntry *entry = pelagos__log_entry__unpack(
         NULL, length, reader->data + reader->at + offset);
     unsigned version = reader->entries == 0 ? head_version(entry) : 0;
-    if (version > PEL_LOG_VERSION) {
+    if (version > PEL_LOG_VERSION_STATES) {
         pelagos__log_entry__free_unpacked(entry, NULL);
-        return newer(version, fault);
+        return newer(version, PEL_LOG_VERSION_STATES, fault);
     }
     const char *why = entry ? flaw(reader, entry) : "is no LogEntry";
     if (why) {

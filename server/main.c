@@ -42,6 +42,7 @@ struct daemon {
     struct pel_scene *scene;
     bool kept; /* the state, at the end */
     struct pel_frames *frames;
+    struct pel_sealedlog *sealed; /* NULL: nothing of an exercise is recorded */
     struct pel_recorder *recorder;
     struct pel_debrief *debrief;
     struct pel_exercises *exercises;
@@ -83,6 +84,11 @@ static enum pel_err start_realtime(struct daemon *d, struct pel_fault *fault)
     return err;
 }
 
+static bool in_exercise(const struct daemon *d)
+{
+    return *d->options.exercise && strcmp(d->options.exercise, "off") != 0;
+}
+
 static struct pel_scene_options scene_options(const struct daemon *d)
 {
     return (struct pel_scene_options){
@@ -93,6 +99,7 @@ static struct pel_scene_options scene_options(const struct daemon *d)
         .models = or_null(d->options.models),
         .weather = or_null(d->options.weather),
         .panoramas = or_null(d->options.panoramas),
+        .sealed = in_exercise(d),
     };
 }
 
@@ -137,6 +144,10 @@ static enum pel_err start_frames(struct daemon *d, struct pel_fault *fault)
 
 static enum pel_err start_record(struct daemon *d, struct pel_fault *fault)
 {
+    bool records = *d->options.record || *d->options.recordings;
+    if (in_exercise(d) && records) {
+        d->sealed = pel_sealedlog_create();
+    }
     const struct pel_recorder_options options = {
         .record = {
             .path = or_null(d->options.record),
@@ -146,6 +157,7 @@ static enum pel_err start_record(struct daemon *d, struct pel_fault *fault)
             .program = "pelagosd " PEL_VERSION,
             .device = pel_frames_device(d->frames),
             .wave_count = d->options.waves,
+            .sealed = d->sealed,
         },
         .directory = or_null(d->options.recordings),
     };
@@ -167,7 +179,8 @@ static enum pel_err start_exercises(struct daemon *d, struct pel_fault *fault)
 {
     const struct pel_exercises_options options = {
         .directory = or_null(d->options.exercises),
-        .state_path = or_null(d->options.state),
+        /* Of several daemons, what was led goes on where the master is. */
+        .state_path = in_exercise(d) ? NULL : or_null(d->options.state),
     };
     enum pel_err err =
         pel_exercises_create(&options, d->scene, &d->exercises, fault);
@@ -191,10 +204,11 @@ static enum pel_err start_cluster(struct daemon *d, struct pel_fault *fault)
         .rate_hz = d->options.fps,
         .program = "pelagosd " PEL_VERSION,
         .wave_count = d->options.waves,
+        .log = d->sealed,
         .stray = (uint64_t)d->options.exercise_stray,
         .ahead_ms = d->options.exercise_clock_ms,
     };
-    if (!*d->options.exercise || strcmp(d->options.exercise, "off") == 0) {
+    if (!in_exercise(d)) {
         return PEL_OK;
     }
     enum pel_err err =
@@ -436,6 +450,7 @@ static bool finish(struct daemon *d)
     }
     bool joined = pel_debrief_destroy(d->debrief);
     pel_recorder_destroy(d->recorder);
+    pel_sealedlog_destroy(d->sealed);
     joined = pel_frames_destroy(d->frames) && joined;
     if (d->scene) {
         pel_metrics_remove(d->metrics, pel_scene_collect, d->scene);

@@ -610,12 +610,6 @@ enum pel_err pel_options_check(const struct pel_options *options,
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
                              "--tls-cert and --tls-key go together");
     }
-    if (*options->exercise &&
-        (*options->state || *options->record || *options->recordings)) {
-        return pel_fault_set(fault, PEL_ERR_CONFLICT,
-                             "--exercise: etcd keeps the state and the log; "
-                             "leave out --state, --record and --recordings");
-    }
     if (!*options->exercise_cert != !*options->exercise_key) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
                              "--exercise-cert and --exercise-key go together");

@@ -80,13 +80,15 @@ const struct pel_option pel_option_table[] = {
           "a time. An edit is in FILE.journal before it is answered: kill -9 "
           "loses none, a power failure those of the last 0.2 s. A file that "
           "does not load is kept as FILE.bad (.bad.2 to .9); one of a newer "
-          "version is refused and stays as it is." },
+          "version is refused and stays as it is. With --exercise it is a "
+          "copy of the last sealed state, without a journal "
+          "(docs/cluster.md)." },
     { "record", "scene", PEL_OPTION_PATH, "FILE|off", "off",
       .offset = FIELD(record),
       .help = "Writes every accepted command with its simulated time into "
               "this log, for `pelagosctl replay`; when it is full it becomes "
               "FILE.000001 and so on, and FILE begins anew with the whole "
-              "state." },
+              "state. With --exercise, on any node, what is sealed." },
     { "record-segment", "scene", PEL_OPTION_DOUBLE, "MIB", "64", 0.0625, 65536,
       "MiB", .offset = FIELD(record_segment_mib),
       .help = "Size at which --record begins a new segment." },

@@ -69,7 +69,8 @@ def voyage(daemon):
     daemon.patch({"clock": {"mode": "STEPPED", "time": 100},
                   "views": {"bridge": SIZE}})
     check(record(daemon, start="voyage")["writing"] == "voyage.pelog", "begun")
-    daemon.patch({"ownShip": {"on": True, "rudder": 5, "engine": 0.5}})
+    post(daemon, "/v1/state", {"ownShip": {"on": True, "rudder": 5,
+                                           "throttle": 0.5}}, "PATCH")
     for i in range(12):
         daemon.patch({"sky": {"sunElevation": 10 + 2 * i},
                       "sea": {"windSpeed": 6 + (i > 5) * 3}})

@@ -361,7 +361,7 @@ def refused(folder):
         check("entry" in ctl(daemon, "replay", bad, status=1), "garbage")
         write(good[:40])
         ctl(daemon, "replay", bad, status=1)
-        write(good[:8] + good[8:].replace(b"\x08\x01", b"\x08\x02", 1))
+        write(good[:8] + good[8:].replace(b"\x08\x01", b"\x08\x03", 1))
         ctl(daemon, "replay", bad, status=1)
         ctl(daemon, "replay", log, "--loop", status=2)
         ctl(daemon, "replay", log, "--at", "3,2", status=2)

@@ -167,10 +167,11 @@ class Upgrade(unittest.TestCase):
         self.bring(VERSIONS[-1])
         good = read(self.state + ".journal")
         head = good.index(b"\x08\x01", 8)  # LogHead.version
-        for newer in (good.replace(b"PELOG1", b"PELOG2", 1),
-                      good[:head] + b"\x08\x02" + good[head + 2:]):
+        for newer, version in (
+                (good.replace(b"PELOG1", b"PELOG2", 1), 2),
+                (good[:head] + b"\x08\x03" + good[head + 2:], 3)):
             write(newer, self.state + ".journal")
-            self.refused("version 2")
+            self.refused(f"version {version}")
 
     def test_a_version_that_never_was(self):
         """Set aside, as every file that does not load."""

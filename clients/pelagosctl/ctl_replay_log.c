@@ -137,8 +137,9 @@ static enum ctl_exit leave_helms(struct play *play)
     return send_patch(play, &patch);
 }
 
-/* Everything as the log's head says, whatever the daemon showed before. */
-static enum ctl_exit begin(struct play *play, Pelagos__LogHead *head)
+/* Everything as a whole state of the log says, whatever the daemon showed
+ * before. */
+static enum ctl_exit begin(struct play *play, Pelagos__State *state)
 {
     char *parts[16];
     Pelagos__Patch patch = PELAGOS__PATCH__INIT;
@@ -148,18 +149,13 @@ static enum ctl_exit begin(struct play *play, Pelagos__LogHead *head)
     }
     patch.n_remove = 0;
     patch.remove = parts;
-    patch.state = head->state;
-    head->state->has_revision = 0;
+    patch.state = state;
+    state->has_revision = 0;
     const ProtobufCMessageDescriptor *type = &pelagos__state__descriptor;
     for (unsigned i = 0; i < type->n_fields && i < G_N_ELEMENTS(parts); i++) {
         if (type->fields[i].type == PROTOBUF_C_TYPE_MESSAGE) {
             parts[patch.n_remove++] = (char *)type->fields[i].name;
         }
-    }
-    if (!play->begun && !ctl_flag(play->ctl, "quiet")) {
-        ctl_print(stderr, "recorded %s by %s on %s, --waves %u\n",
-                  head->began ? head->began : "", head->program,
-                  head->device ? head->device : "", head->waves);
     }
     return send_patch(play, &patch);
 }
@@ -263,16 +259,28 @@ static enum ctl_exit advance(struct play *play, double end_s)
 
 /* --- the log -------------------------------------------------------------- */
 
-/* A further segment's state is the one that the last has led to: it is set all
- * the same, as own ship's steps begin anew with it. */
-static enum ctl_exit take_head(struct play *play, Pelagos__LogEntry *entry)
+static void time_was_set(struct play *play)
+{
+    play->next = play->time_next = 0;
+    play->start_ns = pel_now_ns();
+    play->start_s = play->time_s;
+}
+
+/* A further segment's state, or one on the way, is the one that the log has led
+ * to: it is set all the same, as own ship's steps begin anew with it. */
+static enum ctl_exit take_state(struct play *play, double time_s,
+                                Pelagos__State *state)
 {
     enum ctl_exit status = CTL_DONE;
-    if (play->begun && entry->time > play->time_s) {
-        status = advance(play, entry->time);
+    if (play->begun && time_s > play->time_s) {
+        status = advance(play, time_s);
     }
+    bool back = play->begun && time_s < play->time_s;
     if (status == CTL_DONE) {
-        status = begin(play, entry->head);
+        status = begin(play, state);
+    }
+    if (back) {
+        time_was_set(play);
     }
     if (!play->begun) {
         play->start_ns = pel_now_ns();
@@ -282,12 +290,36 @@ static enum ctl_exit take_head(struct play *play, Pelagos__LogEntry *entry)
     return status;
 }
 
+static void say_head(const struct play *play, const Pelagos__LogHead *head)
+{
+    if (!play->begun && !ctl_flag(play->ctl, "quiet")) {
+        ctl_print(stderr, "recorded %s by %s on %s, --waves %u\n",
+                  head->began ? head->began : "", head->program,
+                  head->device ? head->device : "", head->waves);
+    }
+}
+
+static void say_missed(const struct play *play, const Pelagos__LogEntry *entry)
+{
+    if (entry->missed > 0 && !ctl_flag(play->ctl, "quiet")) {
+        ctl_print(
+            stderr,
+            "%s lacks the commands of %llu frames before %.3f s, and goes "
+            "on with the whole state\n",
+            play->name, (unsigned long long)entry->missed, entry->time);
+    }
+}
+
 static enum ctl_exit take(struct play *play, Pelagos__LogEntry *entry)
 {
     enum ctl_exit status = CTL_DONE;
     switch (entry->command_case) {
     case PELAGOS__LOG_ENTRY__COMMAND_HEAD:
-        return take_head(play, entry);
+        say_head(play, entry->head);
+        return take_state(play, entry->time, entry->head->state);
+    case PELAGOS__LOG_ENTRY__COMMAND_STATE:
+        say_missed(play, entry);
+        return take_state(play, entry->time, entry->state);
     case PELAGOS__LOG_ENTRY__COMMAND_STEP:
         status =
             entry->time > play->time_s ? advance(play, entry->time) : CTL_DONE;
@@ -300,9 +332,7 @@ static enum ctl_exit take(struct play *play, Pelagos__LogEntry *entry)
             double before_s = play->time_s;
             status = send_patch(play, entry->patch);
             if (play->time_s != before_s) { /* the clock was set */
-                play->next = play->time_next = 0;
-                play->start_ns = pel_now_ns();
-                play->start_s = play->time_s;
+                time_was_set(play);
             }
         }
         break;

@@ -21,17 +21,36 @@ int64_t pel_cluster_unix_ns(const struct pel_cluster *c)
     return pel_unix_ns() + (int64_t)(c->options.ahead_ms * 1e6);
 }
 
+static struct pel_packed pack(const Pelagos__State *state,
+                              uint8_t digest[PEL_DIGEST_SIZE])
+{
+    struct pel_packed packed = { .size =
+                                     pelagos__state__get_packed_size(state) };
+    gsize length = PEL_DIGEST_SIZE;
+    packed.bytes = g_malloc(packed.size + 1);
+    pelagos__state__pack(state, packed.bytes);
+    GChecksum *sum = g_checksum_new(G_CHECKSUM_SHA256);
+    g_checksum_update(sum, packed.bytes, (gssize)packed.size);
+    g_checksum_get_digest(sum, digest, &length);
+    g_checksum_free(sum);
+    return packed;
+}
+
 void pel_cluster_digest(const Pelagos__State *state,
                         uint8_t out[PEL_DIGEST_SIZE])
 {
-    size_t size = pelagos__state__get_packed_size(state);
-    g_autofree uint8_t *bytes = g_malloc(size + 1);
-    gsize length = PEL_DIGEST_SIZE;
-    pelagos__state__pack(state, bytes);
-    GChecksum *sum = g_checksum_new(G_CHECKSUM_SHA256);
-    g_checksum_update(sum, bytes, (gssize)size);
-    g_checksum_get_digest(sum, out, &length);
-    g_checksum_free(sum);
+    g_free(pack(state, out).bytes);
+}
+
+void pel_cluster_pack(const struct pel_cluster *c, const Pelagos__State *state,
+                      uint8_t digest[PEL_DIGEST_SIZE],
+                      struct pel_packed *packed)
+{
+    g_free(packed->bytes);
+    *packed = pack(state, digest);
+    if (!c->options.log && !pel_scene_keeps_sealed(c->scene)) {
+        g_clear_pointer(&packed->bytes, g_free);
+    }
 }
 
 void pel_cluster_know_master(struct pel_cluster *c,
@@ -173,7 +192,7 @@ enum pel_err pel_cluster_create(const struct pel_cluster_options *options,
     c->program = g_strdup(options->program);
     c->scene = scene;
     c->frames = frames;
-    c->entries = g_ptr_array_new();
+    c->entries = pel_cluster_entries();
     c->nodes = g_ptr_array_new();
     c->quickest_ms = c->quickest_next_ms = INFINITY;
     const struct pel_seals_options seals = {
@@ -237,6 +256,7 @@ void pel_cluster_destroy(struct pel_cluster *c)
         pelagos__cluster_master__free_unpacked(c->master, NULL);
     }
     pel_snapshot_unref(c->snapshot);
+    g_free(c->packed.bytes);
     g_free(c->name);
     g_free(c->address);
     g_free(c->program);

@@ -12,6 +12,7 @@
 #include "frames/frames.h"
 #include "pelagos.pb-c.h"
 #include "scene/scene.h"
+#include "scene/sealedlog.h"
 
 struct pel_cluster;
 
@@ -24,6 +25,8 @@ struct pel_cluster_options {
     double rate_hz;              /* of frames, 1 to 240 */
     const char *program;         /* "pelagosd 0.2.0" */
     int wave_count;
+    struct pel_sealedlog *log; /* is told of every sealed frame; NULL: nobody
+                                * records */
     uint64_t stray;  /* for tests: the frame after which this node has another
                       * state; 0: none */
     double ahead_ms; /* for tests: of our clock, before the machine's */

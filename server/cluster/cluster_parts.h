@@ -14,6 +14,12 @@ struct pel_cluster_node {
     int64_t heard_ns;           /* when that was another */
 };
 
+/* A state as a seal's digest is of it. */
+struct pel_packed {
+    uint8_t *bytes; /* NULL: none */
+    size_t size;
+};
+
 struct pel_cluster {
     struct pel_cluster_options options;
     char *name, *address, *program;
@@ -43,6 +49,7 @@ struct pel_cluster {
     uint64_t present_unix_ns;
     uint32_t host_frame;
     uint8_t digest[PEL_DIGEST_SIZE];
+    struct pel_packed packed; /* its state; where it is not kept, nothing */
     int64_t sealed_ns; /* when we came to know of it, or of another master */
 
     /* The master's. */
@@ -58,6 +65,8 @@ struct pel_cluster {
         uint64_t present_unix_ns;
         uint32_t host_frame;
         uint8_t digest[PEL_DIGEST_SIZE];
+        struct pel_packed packed;
+        GPtrArray *entries; /* what the frame has */
         int64_t begun_ns;
         Pelagos__ClusterHead *head; /* goes to the store after it; NULL: none */
     } pending;
@@ -77,6 +86,11 @@ struct pel_cluster {
 int64_t pel_cluster_unix_ns(const struct pel_cluster *c);
 void pel_cluster_digest(const Pelagos__State *state,
                         uint8_t out[PEL_DIGEST_SIZE]);
+/* The same, and the state packed, where somebody keeps what is sealed; what
+ * *packed was is freed. */
+void pel_cluster_pack(const struct pel_cluster *c, const Pelagos__State *state,
+                      uint8_t digest[PEL_DIGEST_SIZE],
+                      struct pel_packed *packed);
 void pel_cluster_know_master(struct pel_cluster *c,
                              const Pelagos__ClusterMaster *master);
 bool pel_cluster_is_me(const struct pel_cluster *c,
@@ -90,6 +104,14 @@ void pel_cluster_advance(struct pel_cluster *c, uint64_t number,
                          const struct pel_snapshot *snapshot, double time_s,
                          uint64_t present_unix_ns, uint32_t host_frame,
                          const uint8_t digest[PEL_DIGEST_SIZE]);
+
+/* keep.c: the last sealed frame, to those who record and keep what is sealed;
+ * entries NULL: none; anew: the steps of the ships begin anew with it. */
+void pel_cluster_keep(struct pel_cluster *c, Pelagos__LogEntry *const *entries,
+                      size_t count, bool anew);
+/* The node begins with this state, that of the last sealed frame or before the
+ * first one. */
+void pel_cluster_keep_begin(struct pel_cluster *c);
 
 /* canary.c: draws that picture, and then joins. */
 void pel_cluster_draw_canary(struct pel_cluster *c);
@@ -107,6 +129,8 @@ void pel_cluster_be_patient(struct pel_cluster *c);
 /* master.c */
 void pel_cluster_become_master(struct pel_cluster *c);
 void pel_cluster_step_down(struct pel_cluster *c, const char *why);
+/* For entries; empty. */
+GPtrArray *pel_cluster_entries(void);
 /* A frame is due. */
 void pel_cluster_seal(struct pel_cluster *c);
 /* Ours was sealed. */

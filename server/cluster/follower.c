@@ -52,6 +52,7 @@ static void founded(void *user, bool yes, uint64_t revision,
         return;
     }
     pel_info("CLU-004", "node %s begins the exercise", c->name);
+    pel_cluster_keep_begin(c);
     pel_seals_follow(c->seals, revision);
     pel_cluster_become_master(c);
 }
@@ -69,7 +70,7 @@ static void found(struct pel_cluster *c)
     pel_scene_anew(c->scene, time_s);
     Pelagos__ClusterHead *head =
         pel_cluster_head(c, 0, pel_scene_state_at(c->scene, time_s));
-    pel_cluster_digest(head->state, c->digest);
+    pel_cluster_pack(c, head->state, c->digest, &c->packed);
     c->number = 0;
     c->alike = true;
     c->asking = true;
@@ -123,10 +124,15 @@ static void looked(void *user, bool yes, uint64_t revision,
     }
     double time_s = pel_scene_time(c->scene);
     uint8_t digest[PEL_DIGEST_SIZE];
-    pel_cluster_digest(pel_scene_state_at(c->scene, time_s), digest);
+    pel_cluster_pack(c, pel_scene_state_at(c->scene, time_s), digest,
+                     &c->packed);
     pel_cluster_advance(c, view->head->number,
                         pel_scene_snapshot_at(c->scene, time_s), time_s,
                         (uint64_t)pel_cluster_unix_ns(c), 0, digest);
+    pel_scene_set_aside(c->scene);
+    /* As it was put: with these bits all begin. */
+    pel_cluster_pack(c, view->head->state, digest, &c->packed);
+    pel_cluster_keep_begin(c);
     c->alike =
         g_strcmp0(view->head->device, pel_frames_device(c->frames)) == 0 &&
         view->head->canary.len == PEL_DIGEST_SIZE &&
@@ -188,7 +194,8 @@ static bool play(struct pel_cluster *c, const Pelagos__SealedFrame *frame,
         return false;
     }
     pel_scene_set_host_frame(c->scene, seal->host_frame);
-    pel_cluster_digest(pel_scene_state_at(c->scene, seal->time), digest);
+    pel_cluster_pack(c, pel_scene_state_at(c->scene, seal->time), digest,
+                     &c->packed);
     if (seal->digest.len != PEL_DIGEST_SIZE ||
         memcmp(seal->digest.data, digest, PEL_DIGEST_SIZE) != 0) {
         pel_fault_set(fault, PEL_ERR_CONFLICT, "the state is another one");
@@ -231,6 +238,7 @@ static void follow(struct pel_cluster *c, uint64_t number,
     }
     pel_cluster_advance(c, number, pel_scene_snapshot_at(c->scene, seal->time),
                         seal->time, seal->present, seal->host_frame, digest);
+    pel_cluster_keep(c, frame->entries, frame->n_entries, seal->anew);
     if (c->role == PELAGOS__CLUSTER_ROLE__FOLLOWER) {
         pel_cluster_heard(c, seal);
         pel_cluster_show(c, false, 0);

@@ -52,13 +52,23 @@ void pel_cluster_on_command(void *user, double time_s,
     g_ptr_array_add(c->entries, entry);
 }
 
-static void drop_entries(struct pel_cluster *c)
+static void free_entry(gpointer entry)
 {
-    for (guint i = 0; i < c->entries->len; i++) {
-        pelagos__log_entry__free_unpacked(g_ptr_array_index(c->entries, i),
-                                          NULL);
+    pelagos__log_entry__free_unpacked(entry, NULL);
+}
+
+GPtrArray *pel_cluster_entries(void)
+{
+    return g_ptr_array_new_with_free_func(free_entry);
+}
+
+static void clear_pending(struct pel_cluster *c)
+{
+    if (c->pending.entries) {
+        g_ptr_array_unref(c->pending.entries);
     }
-    g_ptr_array_set_size(c->entries, 0);
+    g_free(c->pending.packed.bytes);
+    memset(&c->pending, 0, sizeof c->pending);
 }
 
 void pel_cluster_drop_pending(struct pel_cluster *c)
@@ -67,8 +77,8 @@ void pel_cluster_drop_pending(struct pel_cluster *c)
     if (c->pending.head) {
         pelagos__cluster_head__free_unpacked(c->pending.head, NULL);
     }
-    memset(&c->pending, 0, sizeof c->pending);
-    drop_entries(c);
+    clear_pending(c);
+    g_ptr_array_set_size(c->entries, 0);
 }
 
 /* --- a frame -------------------------------------------------------------- */
@@ -114,7 +124,7 @@ static void begin_frame(struct pel_cluster *c, Pelagos__Seal *seal)
     c->pending.time_s = time_s;
     c->pending.begun_ns = now_ns;
     c->pending.host_frame = pel_scene_host_frame(c->scene);
-    pel_cluster_digest(state, c->pending.digest);
+    pel_cluster_pack(c, state, c->pending.digest, &c->pending.packed);
     if (head) {
         c->head_ns = now_ns;
         c->pending.head = pel_cluster_head(c, c->pending.number, state);
@@ -156,7 +166,8 @@ void pel_cluster_seal(struct pel_cluster *c)
     frame.n_entries = c->entries->len;
     frame.entries = (Pelagos__LogEntry **)c->entries->pdata;
     pel_seals_put(c->seals, c->master, seal.number, &frame, put_done, c);
-    drop_entries(c);
+    c->pending.entries = c->entries;
+    c->entries = pel_cluster_entries();
     pel_scene_gate(c->scene, seal.number + 1);
 }
 
@@ -169,7 +180,12 @@ void pel_cluster_confirm(struct pel_cluster *c, uint64_t revision)
     pel_cluster_advance(c, c->pending.number, c->pending.snapshot,
                         c->pending.time_s, c->pending.present_unix_ns,
                         c->pending.host_frame, c->pending.digest);
-    memset(&c->pending, 0, sizeof c->pending);
+    g_free(c->packed.bytes);
+    c->packed = c->pending.packed;
+    c->pending.packed.bytes = NULL;
+    pel_cluster_keep(c, (Pelagos__LogEntry **)c->pending.entries->pdata,
+                     c->pending.entries->len, head != NULL);
+    clear_pending(c);
     pel_cluster_show(c, false, 0);
     pel_scene_sealed(c->scene, c->number);
     if (head) {

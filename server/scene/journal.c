@@ -363,7 +363,9 @@ void pel_journal_add(struct pel_journal *j, double time_s,
     uint8_t *data;
     if (patch) {
         data = pel_log_pack_patch(time_s, state->revision, patch, &size);
-    } else if (pel_log_wants_step(state, time_s, j->step_s)) {
+    } else if (pel_log_wants_step(state->clock->mode ==
+                                      PELAGOS__CLOCK_MODE__STEPPED,
+                                  time_s, j->step_s)) {
         data = pel_log_pack_step(time_s, state->revision, &size);
     } else {
         return;
@@ -371,6 +373,12 @@ void pel_journal_add(struct pel_journal *j, double time_s,
     j->step_s = time_s;
     put(j, data, size);
     free(data);
+}
+
+void pel_journal_remove(const char *path)
+{
+    g_autofree char *name = journal_name(path);
+    unlink(name);
 }
 
 /* --- the end -------------------------------------------------------------- */

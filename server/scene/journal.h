@@ -48,6 +48,9 @@ void pel_journal_add(struct pel_journal *journal, double time_s,
 bool pel_journal_is_full(const struct pel_journal *journal);
 void pel_journal_turn(struct pel_journal *journal, const Pelagos__State *state);
 
+/* Removes PATH.journal: the state file holds everything. */
+void pel_journal_remove(const char *path);
+
 /* saved: the state file holds everything, and the journal is removed; else it
  * is brought to the disk and stays. False: it holds not everything. NULL
  * allowed. */

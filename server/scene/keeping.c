@@ -1,6 +1,7 @@
 /* The state on the disk: what is read at the start, the journal of edits, and
  * the state file, written by a thread. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -38,7 +39,8 @@ static enum pel_err take_journal(const char *path, Pelagos__State **state,
 
 enum pel_err pel_scene_load(struct pel_store *store,
                             const struct pel_scene_options *options,
-                            Pelagos__State **out, struct pel_fault *fault)
+                            Pelagos__State **out, bool *loaded,
+                            struct pel_fault *fault)
 {
     struct pel_fault why;
     g_autofree char *aside = NULL;
@@ -65,6 +67,7 @@ enum pel_err pel_scene_load(struct pel_store *store,
                   options->state_path, why.message, aside,
                   *out ? "its journal" : "defaults");
     }
+    *loaded = *out != NULL;
     if (!*out) {
         *out = pel_state_default();
     }
@@ -78,6 +81,12 @@ static const Pelagos__State *kept_state(struct pel_scene *scene,
     const Pelagos__State *state = pel_scene_state(scene);
     *copy = pel_missing_restored(&scene->missing, state);
     return *copy ? *copy : state;
+}
+
+static Pelagos__State *sealed_state(const struct pel_scene *scene)
+{
+    return pelagos__state__unpack(NULL, scene->sealed.size,
+                                  scene->sealed.bytes);
 }
 
 /* A write of the state file, by a thread: a disk takes its time. */
@@ -105,14 +114,17 @@ static void count_save(struct pel_scene *scene, enum pel_err err,
     scene->told_saves = err ? scene->told_saves : scene->failed_saves;
     scene->save_from_ns =
         pel_now_ns() + (err ? SAVE_AGAIN_NS : SAVE_INTERVAL_NS);
+    scene->sealed.time_from_ns =
+        pel_now_ns() + (int64_t)(PEL_SEALED_TIME_S * 1e9);
 }
 
 static enum pel_err save_now(struct pel_scene *scene)
 {
     struct pel_fault fault;
-    Pelagos__State *copy;
-    const Pelagos__State *state = kept_state(scene, &copy);
+    Pelagos__State *copy = scene->sealed.bytes ? sealed_state(scene) : NULL;
+    const Pelagos__State *state = copy ? copy : kept_state(scene, &copy);
     enum pel_err err = pel_store_save(scene->store, state, &fault);
+    scene->sealed.unsaved = scene->sealed.unsaved && err;
     if (copy) {
         pelagos__state__free_unpacked(copy, NULL);
     }
@@ -129,34 +141,48 @@ static void do_save(struct pel_task *task)
     pelagos__state__free_unpacked(state, NULL);
 }
 
+static void save_soon(struct pel_scene *scene);
+
 static void saved(struct pel_task *task, bool dropped)
 {
     struct save *save = (struct save *)task;
     struct pel_scene *scene = save->scene;
     scene->saving = false;
+    scene->sealed.unsaved = scene->sealed.unsaved || dropped || save->err;
     if (!dropped) {
         count_save(scene, save->err, &save->fault);
         if (save->err || scene->save_again) {
-            pel_scene_save_soon(scene);
+            save_soon(scene);
         }
     }
     g_free(save->bytes);
     g_free(save);
 }
 
-static void begin_save(struct pel_scene *scene)
+static void pack_state(struct pel_scene *scene, struct save *save)
 {
-    struct save *save = g_new0(struct save, 1);
     Pelagos__State *copy;
     const Pelagos__State *state = kept_state(scene, &copy);
-    save->task.work = do_save;
-    save->task.done = saved;
-    save->scene = scene;
     save->size = pelagos__state__get_packed_size(state);
     save->bytes = g_malloc(save->size + 1);
     pelagos__state__pack(state, save->bytes);
     if (copy) {
         pelagos__state__free_unpacked(copy, NULL);
+    }
+}
+
+static void begin_save(struct pel_scene *scene)
+{
+    struct save *save = g_new0(struct save, 1);
+    save->task.work = do_save;
+    save->task.done = saved;
+    save->scene = scene;
+    if (scene->sealed.bytes) {
+        save->size = scene->sealed.size;
+        save->bytes = g_memdup2(scene->sealed.bytes, save->size);
+        scene->sealed.unsaved = false;
+    } else {
+        pack_state(scene, save);
     }
     scene->saving = true;
     scene->save_again = false;
@@ -172,7 +198,7 @@ static gboolean on_save_timer(gpointer user)
     return G_SOURCE_REMOVE;
 }
 
-void pel_scene_save_soon(struct pel_scene *scene)
+static void save_soon(struct pel_scene *scene)
 {
     scene->save_again = true;
     if (scene->store && scene->save_timer == 0 && !scene->saving) {
@@ -180,6 +206,13 @@ void pel_scene_save_soon(struct pel_scene *scene)
         scene->save_timer =
             g_timeout_add(wait_ns > 0 ? (guint)(wait_ns / 1000000) + 1 : 0,
                           on_save_timer, scene);
+    }
+}
+
+void pel_scene_save_soon(struct pel_scene *scene)
+{
+    if (!scene->sealed.on) {
+        save_soon(scene);
     }
 }
 
@@ -199,11 +232,21 @@ void pel_scene_keep(struct pel_scene *scene, double time_s,
     }
 }
 
-void pel_scene_begin_keeping(struct pel_scene *scene, const char *path)
+void pel_scene_begin_keeping(struct pel_scene *scene, const char *path,
+                             bool sealed, bool loaded)
 {
     Pelagos__State *copy;
     scene->saver = pel_worker_create("state file");
-    if (save_now(scene)) {
+    bool saved_now = save_now(scene) == PEL_OK;
+    if (sealed) {
+        scene->sealed.on = true;
+        scene->sealed.loaded = loaded ? g_strdup(path) : NULL;
+        if (saved_now) {
+            pel_journal_remove(path); /* the file has it now */
+        }
+        return;
+    }
+    if (!saved_now) {
         pel_scene_save_soon(scene);
     }
     scene->journal =
@@ -222,6 +265,12 @@ bool pel_scene_end_keeping(struct pel_scene *scene)
     if (scene->save_timer != 0) {
         g_source_remove(scene->save_timer);
     }
+    if (scene->sealed.on) {
+        bool whole = !scene->sealed.unsaved || save_now(scene) == PEL_OK;
+        g_free(scene->sealed.loaded);
+        g_free(scene->sealed.bytes);
+        return whole;
+    }
     bool whole = save_now(scene) == PEL_OK;
     bool kept = pel_journal_close(scene->journal, whole);
     if (!whole) {
@@ -230,4 +279,48 @@ bool pel_scene_end_keeping(struct pel_scene *scene)
                        : ", and so does its journal: they are lost");
     }
     return kept;
+}
+
+/* --- of a node of an exercise --------------------------------------------- */
+
+bool pel_scene_keeps_sealed(const struct pel_scene *scene)
+{
+    return scene->sealed.on;
+}
+
+void pel_scene_keep_sealed(struct pel_scene *scene, const uint8_t *bytes,
+                           size_t size, uint64_t revision)
+{
+    if (!scene->sealed.on) {
+        return;
+    }
+    bool first = !scene->sealed.bytes;
+    bool edited = first || scene->sealed.revision != revision;
+    if (!edited && scene->sealed.size == size &&
+        memcmp(scene->sealed.bytes, bytes, size) == 0) {
+        return;
+    }
+    g_free(scene->sealed.bytes);
+    scene->sealed.bytes = g_memdup2(bytes, size);
+    scene->sealed.size = size;
+    scene->sealed.revision = revision;
+    scene->sealed.unsaved = true;
+    g_clear_pointer(&scene->sealed.loaded, g_free);
+    if (edited || pel_now_ns() >= scene->sealed.time_from_ns) {
+        save_soon(scene);
+    }
+}
+
+void pel_scene_set_aside(struct pel_scene *scene)
+{
+    if (!scene->sealed.loaded) {
+        return;
+    }
+    g_autofree char *aside = pel_store_set_aside(scene->store);
+    pel_warn("SCN-020",
+             "the state of %s gives way to the exercise's, of which the file "
+             "becomes a copy; what it held %s%s",
+             scene->sealed.loaded, aside ? "is kept as " : "could not be kept",
+             aside ? aside : "");
+    g_clear_pointer(&scene->sealed.loaded, g_free);
 }

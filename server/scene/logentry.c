@@ -36,6 +36,18 @@ uint8_t *pel_log_pack_step(double time_s, uint64_t revision, size_t *size)
     return pel_wire_pack(&entry.base, size);
 }
 
+uint8_t *pel_log_pack_state(const Pelagos__State *state, uint64_t missed,
+                            size_t *size)
+{
+    Pelagos__LogEntry entry;
+    fill(&entry, state->clock->time, state->revision);
+    entry.command_case = PELAGOS__LOG_ENTRY__COMMAND_STATE;
+    entry.state = (Pelagos__State *)state;
+    entry.has_missed = missed > 0;
+    entry.missed = missed;
+    return pel_wire_pack(&entry.base, size);
+}
+
 uint8_t *pel_log_pack_head(const Pelagos__LogHead *head, size_t *size)
 {
     Pelagos__LogEntry entry;
@@ -45,9 +57,7 @@ uint8_t *pel_log_pack_head(const Pelagos__LogHead *head, size_t *size)
     return pel_wire_pack(&entry.base, size);
 }
 
-bool pel_log_wants_step(const Pelagos__State *state, double time_s,
-                        double last_s)
+bool pel_log_wants_step(bool each, double time_s, double last_s)
 {
-    return state->clock->mode == PELAGOS__CLOCK_MODE__STEPPED ||
-           time_s - last_s >= STEP_INTERVAL_S || time_s < last_s;
+    return each || time_s - last_s >= STEP_INTERVAL_S || time_s < last_s;
 }

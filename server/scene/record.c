@@ -19,8 +19,10 @@
 
 #define MIB 1048576.0
 #define MAX_NUMBER 999999999u
+
 struct pel_record {
     struct pel_scene *scene;
+    struct pel_sealedlog *sealed; /* NULL: the scene is recorded */
     char *path, *program, *device;
     int wave_count;
     char *recording; /* what its segments have in common */
@@ -32,6 +34,7 @@ struct pel_record {
     uint64_t entries, lost, begun, removed;
     int64_t pause_ns, again_ns; /* no new segment is tried before */
     double step_s;              /* time of the last entry */
+    bool waits; /* for the first whole state of what is sealed */
 };
 
 /* --- writing -------------------------------------------------------------- */
@@ -164,7 +167,7 @@ static uint8_t *pack_head(const struct pel_record *record,
     gmtime_r(&now, &utc);
     strftime(began, sizeof began, "%Y-%m-%dT%H:%M:%SZ", &utc);
     head.has_version = head.has_waves = head.has_segment = true;
-    head.version = PEL_LOG_VERSION;
+    head.version = record->sealed ? PEL_LOG_VERSION_STATES : PEL_LOG_VERSION;
     head.waves = (uint32_t)record->wave_count;
     head.program = record->program;
     head.device = record->device;
@@ -212,7 +215,27 @@ static bool exchange(struct pel_record *record, const char *name)
 
 static void on_command(void *user, double time_s, const Pelagos__Patch *patch);
 
-/* Begins segment `segment` with the whole present state. False, with errno:
+/* The state that a segment begins with. */
+static const Pelagos__State *begin_state(struct pel_record *record)
+{
+    return record->sealed ? pel_sealedlog_head(record->sealed)
+                          : pel_scene_listen(record->scene, on_command, record);
+}
+
+static void say_begun(const struct pel_record *record)
+{
+    pel_info("REC-001", "recording %s to %s", record->recording, record->path);
+}
+
+/* With errno. */
+static void say_not_begun(const struct pel_record *record)
+{
+    pel_error("REC-009",
+              "%s: not recording until the first segment can be begun: %s",
+              record->path, strerror(errno));
+}
+
+/* Begins segment `segment` with the whole state. False, with errno:
  * the one before is as it was. */
 static bool begin_segment(struct pel_record *record, uint32_t segment)
 {
@@ -224,8 +247,7 @@ static bool begin_segment(struct pel_record *record, uint32_t segment)
         return false;
     }
     (void)flock(fd, LOCK_EX | LOCK_NB); /* see check_place */
-    const Pelagos__State *state =
-        pel_scene_listen(record->scene, on_command, record);
+    const Pelagos__State *state = begin_state(record);
     uint32_t before = record->segment;
     uint64_t size;
     record->segment = segment;
@@ -243,6 +265,7 @@ static bool begin_segment(struct pel_record *record, uint32_t segment)
     record->fd = fd;
     record->size = record->head_size = size;
     record->step_s = state->clock->time;
+    record->waits = false;
     record->begun++;
     record->entries++;
     remove_oldest(record);
@@ -271,17 +294,24 @@ static void turn(struct pel_record *record)
     }
 }
 
-/* What a pause has lost shows as a missing number. */
+/* What a pause has lost shows as a missing number. One that has waited for the
+ * exercise has lost nothing. */
 static void resume(struct pel_record *record)
 {
     if (record->fd >= 0 || pel_now_ns() < record->again_ns) {
         return;
     }
-    if (begin_segment(record, record->segment + 2)) {
+    bool first = record->waits;
+    if (!begin_segment(record, record->segment + (first ? 1 : 2))) {
+        if (first) {
+            say_not_begun(record);
+        }
+        record->again_ns = pel_now_ns() + record->pause_ns;
+    } else if (first) {
+        say_begun(record);
+    } else {
         pel_info("REC-008", "recording again to %s, segment %u", record->path,
                  record->segment);
-    } else {
-        record->again_ns = pel_now_ns() + record->pause_ns;
     }
 }
 
@@ -294,11 +324,77 @@ static void on_command(void *user, double time_s, const Pelagos__Patch *patch)
         uint8_t *data =
             pel_log_pack_patch(time_s, state->revision, patch, &size);
         put_entry(record, time_s, data, size);
-    } else if (pel_log_wants_step(state, time_s, record->step_s)) {
+    } else if (pel_log_wants_step(state->clock->mode ==
+                                      PELAGOS__CLOCK_MODE__STEPPED,
+                                  time_s, record->step_s)) {
         put_step(record, time_s, state->revision);
     }
     resume(record);
     turn(record);
+}
+
+/* --- what is sealed ------------------------------------------------------- */
+
+static void on_entries(void *user, const uint8_t *bytes, size_t size,
+                       unsigned count)
+{
+    struct pel_record *record = user;
+    bool done = record->fd >= 0 && put(record, bytes, size);
+    record->entries += done ? count : 0;
+    record->lost += done ? 0 : count;
+}
+
+/* A segment that is full ends before the state; but not where frames are
+ * missing, which is told by the state's entry. */
+static void on_anew(void *user, uint64_t missed)
+{
+    struct pel_record *record = user;
+    const Pelagos__State *state = pel_sealedlog_head(record->sealed);
+    uint64_t begun = record->begun;
+    if (missed == 0) {
+        turn(record);
+    }
+    if (record->fd >= 0 && record->begun == begun) {
+        size_t size;
+        uint8_t *data = pel_log_pack_state(state, missed, &size);
+        put_entry(record, state->clock->time, data, size);
+    }
+    resume(record);
+}
+
+static void listen_sealed(struct pel_record *record)
+{
+    const struct pel_sealedlog_listener listener = { on_entries, on_anew,
+                                                     record };
+    pel_sealedlog_listen(record->sealed, &listener);
+}
+
+/* With the last whole state, and what has come since; where there is none yet,
+ * with the first one. */
+static bool begin_sealed(struct pel_record *record)
+{
+    size_t size;
+    unsigned count;
+    record->waits = !pel_sealedlog_head(record->sealed);
+    if (!record->waits && !begin_segment(record, 1)) {
+        return false;
+    }
+    const uint8_t *since = pel_sealedlog_since(record->sealed, &size, &count);
+    if (size > 0) {
+        on_entries(record, since, size, count);
+    }
+    listen_sealed(record);
+    return true;
+}
+
+static void end_sealed(struct pel_record *record)
+{
+    uint64_t revision;
+    pel_sealedlog_listen(record->sealed, NULL);
+    if (record->fd >= 0) {
+        double time_s = pel_sealedlog_time(record->sealed, &revision);
+        put_step(record, time_s, revision);
+    }
 }
 
 /* --- life ----------------------------------------------------------------- */
@@ -340,6 +436,7 @@ enum pel_err pel_record_create(const struct pel_record_options *o,
     struct pel_record *record = g_new0(struct pel_record, 1);
     *out = NULL;
     record->scene = scene;
+    record->sealed = o->sealed;
     record->path = g_strdup(o->path);
     record->program = g_strdup(o->program);
     record->device = g_strdup(o->device);
@@ -354,13 +451,15 @@ enum pel_err pel_record_create(const struct pel_record_options *o,
         found->len > 0 ? g_array_index(found, unsigned, found->len - 1) + 1 : 1;
     g_array_free(found, TRUE);
     enum pel_err err = check_place(o->path, fault);
-    bool begun = !err && begin_segment(record, 1);
+    bool begun = !err && (record->sealed ? begin_sealed(record)
+                                         : begin_segment(record, 1));
     if (!err && !begun && (errno == ENOSPC || errno == EDQUOT)) {
         /* A full disk keeps nobody from starting. */
-        pel_error("REC-009",
-                  "%s: not recording until the first segment can be begun: %s",
-                  record->path, strerror(errno));
+        say_not_begun(record);
         record->again_ns = pel_now_ns() + record->pause_ns;
+        if (record->sealed) {
+            listen_sealed(record);
+        }
     } else if (!err && !begun) {
         err = pel_fault_set(fault, PEL_ERR_IO, "--record: %s: %s", o->path,
                             strerror(errno));
@@ -369,8 +468,11 @@ enum pel_err pel_record_create(const struct pel_record_options *o,
         pel_record_destroy(record);
         return err;
     }
-    if (begun) {
-        pel_info("REC-001", "recording %s to %s", record->recording, o->path);
+    if (record->waits) {
+        pel_info("REC-011", "%s: recording begins when this node takes part",
+                 o->path);
+    } else if (begun) {
+        say_begun(record);
     }
     *out = record;
     return PEL_OK;
@@ -378,8 +480,12 @@ enum pel_err pel_record_create(const struct pel_record_options *o,
 
 int pel_record_end(struct pel_record *record)
 {
-    (void)pel_scene_listen(record->scene, NULL, NULL);
-    if (record->fd >= 0) {
+    if (record->sealed) {
+        end_sealed(record);
+    } else {
+        (void)pel_scene_listen(record->scene, NULL, NULL);
+    }
+    if (record->fd >= 0 && !record->sealed) {
         const Pelagos__State *state = pel_scene_state(record->scene);
         put_step(record, state->clock->time, state->revision);
     }

@@ -5,6 +5,7 @@
 #include "base/err.h"
 #include "base/metrics.h"
 #include "scene/scene.h"
+#include "scene/sealedlog.h"
 
 struct pel_record;
 
@@ -16,15 +17,20 @@ struct pel_record_options {
     const char *program; /* "pelagosd 0.2.0" */
     const char *device;
     int wave_count;
+    /* Of a daemon in an exercise: what is sealed is recorded; NULL: what the
+     * scene accepts. */
+    struct pel_sealedlog *sealed;
 };
 
 /* Begins a recording with its first segment, whose head is the present state,
- * and listens to the scene. What is at `path` becomes PATH.NNNNNN, numbered on
- * from the highest that is there, and of these the oldest beyond `keep` are
- * removed, likewise at the start of each further segment. A new segment
- * restarts own ship's steps (pel_scene_listen), so that a replay of that
- * segment alone has the same motion. IO; INVALID: what is there is no log;
- * CONFLICT: another daemon is writing it. */
+ * and listens to the scene; or with what is sealed, and then with the last
+ * whole state there, or as soon as there is one. What is at `path` becomes
+ * PATH.NNNNNN, numbered on from the highest that is there, and of these the
+ * oldest beyond `keep` are removed, likewise at the start of each further
+ * segment: of what is sealed one begins with a whole state there only. A new
+ * segment of the scene restarts own ship's steps (pel_scene_listen), so that a
+ * replay of that segment alone has the same motion. IO; INVALID: what is there
+ * is no log; CONFLICT: another daemon is writing it. */
 PEL_CHECK enum pel_err pel_record_create(const struct pel_record_options *o,
                                          struct pel_scene *scene,
                                          struct pel_record **out,

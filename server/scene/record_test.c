@@ -25,7 +25,7 @@ static enum pel_err record(struct fixture *f, double segment_mib, unsigned keep)
 {
     struct pel_fault fault;
     struct pel_record_options options = {
-        f->path, segment_mib, keep, again_s, "test 1", "a device", 20,
+        f->path, segment_mib, keep, again_s, "test 1", "a device", 20, NULL,
     };
     return pel_record_create(&options, f->scene, &f->record, &fault);
 }

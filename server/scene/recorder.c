@@ -107,6 +107,11 @@ enum pel_err pel_recorder_start(struct pel_recorder *r, const char *wanted,
                              "there is no place for recordings: start pelagosd "
                              "with --recordings DIRECTORY");
     }
+    if (r->options.sealed && !pel_sealedlog_head(r->options.sealed)) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "this node does not take part in the exercise "
+                             "yet; a little later");
+    }
     if (r->record) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
                              "it is being recorded already, to %.120s; stop "

@@ -292,6 +292,17 @@ static enum pel_err read_all(struct pel_replay *r, struct pel_fault *fault)
 
 /* --- playing -------------------------------------------------------------- */
 
+/* Everything goes on with a whole state of r->next, which is taken over. */
+static enum pel_err begin_with(struct pel_replay *r, Pelagos__State **state,
+                               struct pel_fault *fault)
+{
+    Pelagos__State *whole = *state;
+    whole->clock->time = r->next->time;
+    whole->clock->has_time = true;
+    *state = NULL;
+    return pel_scene_begin_anew(r->scene, whole, fault);
+}
+
 static enum pel_err begin_at(struct pel_replay *r, size_t segment,
                              struct pel_fault *fault)
 {
@@ -300,11 +311,7 @@ static enum pel_err begin_at(struct pel_replay *r, size_t segment,
     if (err) {
         return err;
     }
-    Pelagos__State *state = r->next->head->state;
-    state->clock->time = r->next->time;
-    state->clock->has_time = true;
-    r->next->head->state = NULL;
-    err = pel_scene_begin_anew(r->scene, state, &why);
+    err = begin_with(r, &r->next->head->state, &why);
     pelagos__log_entry__free_unpacked(r->next, NULL);
     r->next = NULL;
     r->at = r->places[segment].at;
@@ -381,6 +388,10 @@ static enum pel_err do_next(struct pel_replay *r, struct pel_fault *fault)
     enum pel_err err = step_to(r, r->next->time, &why);
     if (!err && r->next->command_case == PELAGOS__LOG_ENTRY__COMMAND_PATCH) {
         err = do_patch(r, r->next->patch, &why);
+    }
+    if (!err && r->next->command_case == PELAGOS__LOG_ENTRY__COMMAND_STATE) {
+        r->at = moment_of(r->at, r->next);
+        err = begin_with(r, &r->next->state, &why);
     }
     pelagos__log_entry__free_unpacked(r->next, NULL);
     r->next = NULL;

@@ -741,6 +741,7 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
 {
     Pelagos__State *state = NULL;
     struct pel_store *store = NULL;
+    bool loaded = false;
     *out = NULL;
     enum pel_err err = need_directory("--spectra", options->spectra, fault);
     if (!err) {
@@ -759,7 +760,7 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
         err = pel_store_open(options->state_path, &store, fault);
     }
     if (!err) {
-        err = pel_scene_load(store, options, &state, fault);
+        err = pel_scene_load(store, options, &state, &loaded, fault);
     }
     if (err) {
         pel_store_close(store);
@@ -794,7 +795,8 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     pel_simclock_set(&scene->clock, (enum pel_clock_mode)state->clock->mode,
                      state->clock->rate, state->clock->time, pel_now_ns());
     if (store) {
-        pel_scene_begin_keeping(scene, options->state_path);
+        pel_scene_begin_keeping(scene, options->state_path, options->sealed,
+                                loaded);
     }
     *out = scene;
     return PEL_OK;

@@ -28,6 +28,9 @@ struct pel_scene_options {
     /* Of a debrief: it has no timers and does nothing ahead, so that any one
      * thread may use it. Its clock is to be stepped. */
     bool apart;
+    /* Of a node of an exercise: what the file keeps is said by
+     * pel_scene_keep_sealed alone, and there is no journal. */
+    bool sealed;
 };
 
 /* Loads options->state_path and its journal if it exists (a file that does not
@@ -221,6 +224,25 @@ void pel_scene_on_commit(struct pel_scene *scene, void (*callback)(void *user),
 PEL_CHECK enum pel_err pel_scene_begin_anew(struct pel_scene *scene,
                                             Pelagos__State *state,
                                             struct pel_fault *fault);
+
+/* --- the state file of a node of an exercise -------------------------------
+ */
+
+/* Whether there is one. */
+bool pel_scene_keeps_sealed(const struct pel_scene *scene);
+
+/* The state of the last sealed frame, packed. The file has it within
+ * PEL_SEALED_EDIT_S of an edit, within PEL_SEALED_TIME_S where only time has
+ * gone on; both from the end of the write before. */
+#define PEL_SEALED_EDIT_S 1.0
+#define PEL_SEALED_TIME_S 10.0
+void pel_scene_keep_sealed(struct pel_scene *scene, const uint8_t *bytes,
+                           size_t size, uint64_t revision);
+
+/* The state that was loaded at the start gives way to the exercise's: its file
+ * is kept beside as PATH.aside (or .aside.2 to .9, of which the four oldest and
+ * the newest stay). Does so once. */
+void pel_scene_set_aside(struct pel_scene *scene);
 
 /* Metrics of the state file; user is the scene (pel_metrics_collect). */
 void pel_scene_collect(void *user, struct pel_metrics_page *page);

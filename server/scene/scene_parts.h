@@ -41,8 +41,17 @@ struct pel_scene {
     bool saving, save_again;         /* the file is being written; and then */
     int64_t save_from_ns;            /* not before */
     uint64_t saves, failed_saves;
-    uint64_t told_saves;            /* failed ones that are over */
-    bool apart;                     /* pel_scene_options */
+    uint64_t told_saves; /* failed ones that are over */
+    bool apart;          /* pel_scene_options */
+    struct {
+        bool on;        /* pel_scene_options.sealed, and there is a file */
+        char *loaded;   /* path of the file that was loaded; NULL: none */
+        uint8_t *bytes; /* the last sealed state; NULL: none yet */
+        size_t size;
+        uint64_t revision;    /* of it */
+        bool unsaved;         /* the file has not these bytes */
+        int64_t time_from_ns; /* not before, where only time has gone on */
+    } sealed;
     guint ship_timer;               /* 0: no helm is on */
     struct pel_worker *ship_worker; /* does the ships' steps ahead */
     bool ship_ahead;                /* it is at work */
@@ -96,11 +105,12 @@ void pel_scene_notify_commit(struct pel_scene *scene);
  * default one. */
 PEL_CHECK enum pel_err pel_scene_load(struct pel_store *store,
                                       const struct pel_scene_options *options,
-                                      Pelagos__State **out,
+                                      Pelagos__State **out, bool *loaded,
                                       struct pel_fault *fault);
 /* The file is there from the start: one that is missing later was removed, and
  * its journal with it. */
-void pel_scene_begin_keeping(struct pel_scene *scene, const char *path);
+void pel_scene_begin_keeping(struct pel_scene *scene, const char *path,
+                             bool sealed, bool loaded);
 /* False: the last edits are lost. */
 bool pel_scene_end_keeping(struct pel_scene *scene);
 /* Into the journal: a patch, or (NULL) a step, that has taken effect. */

@@ -135,43 +135,44 @@ void pel_store_close(struct pel_store *store)
 
 /* --- loading -------------------------------------------------------------- */
 
-static char *aside_name(const char *path, int number)
+static char *aside_name(const char *path, const char *suffix, int number)
 {
-    return number == 1 ? g_strconcat(path, ".bad", NULL)
-                       : g_strdup_printf("%s.bad.%d", path, number);
+    return number == 1 ? g_strconcat(path, suffix, NULL)
+                       : g_strdup_printf("%s%s.%d", path, suffix, number);
 }
 
 /* Whoever is there already stays; a directory too. */
-static bool move_to(const char *from, const char *path, int number)
+static bool move_to(const char *from, const char *path, const char *suffix,
+                    int number)
 {
-    g_autofree char *to = aside_name(path, number);
+    g_autofree char *to = aside_name(path, suffix, number);
     return renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0 ||
            /* Not every file system knows the flag. */
            (errno == EINVAL && access(to, F_OK) != 0 && rename(from, to) == 0);
 }
 
 /* The oldest of the newer ones goes, and the others move up. */
-static void make_room(const char *path)
+static void make_room(const char *path, const char *suffix)
 {
     for (int i = OLDEST_ASIDE + 1; i <= MOST_ASIDE; i++) {
-        g_autofree char *at = aside_name(path, i);
+        g_autofree char *at = aside_name(path, suffix, i);
         if (i == OLDEST_ASIDE + 1) {
             unlink(at);
         } else {
-            move_to(at, path, i - 1);
+            move_to(at, path, suffix, i - 1);
         }
     }
 }
 
-static char *set_aside(const char *path)
+static char *set_aside(const char *path, const char *suffix)
 {
     for (int turn = 0; turn < 2; turn++) {
         for (int i = 1; i <= MOST_ASIDE; i++) {
-            if (move_to(path, path, i)) {
-                return aside_name(path, i);
+            if (move_to(path, path, suffix, i)) {
+                return aside_name(path, suffix, i);
             }
         }
-        make_room(path);
+        make_room(path, suffix);
     }
     return NULL;
 }
@@ -259,7 +260,7 @@ enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
     }
     free(text);
     if (err) {
-        *aside = set_aside(store->path);
+        *aside = set_aside(store->path, ".bad");
         if (!*aside) {
             return pel_fault_set(fault, PEL_ERR_IO,
                                  "--state: %.100s does not load and cannot be "
@@ -270,6 +271,12 @@ enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
     /* A missing field is no missing file. */
     return err == PEL_ERR_NOT_FOUND || err == PEL_ERR_IO ? PEL_ERR_INVALID
                                                          : err;
+}
+
+char *pel_store_set_aside(struct pel_store *store)
+{
+    return access(store->path, F_OK) == 0 ? set_aside(store->path, ".aside")
+                                          : NULL;
 }
 
 /* --- saving --------------------------------------------------------------- */

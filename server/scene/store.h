@@ -29,6 +29,10 @@ PEL_CHECK enum pel_err pel_store_load(struct pel_store *store,
                                       Pelagos__State **out, char **aside,
                                       struct pel_fault *fault);
 
+/* The file lies in *aside now (PATH.aside, numbered as the others), g_free;
+ * NULL: it could not be moved, or there is none. */
+char *pel_store_set_aside(struct pel_store *store);
+
 /* Writes PATH by temporary file, fsync, rename and fsync of the directory:
  * after a crash either the old or the new state is there. */
 PEL_CHECK enum pel_err pel_store_save(struct pel_store *store,
