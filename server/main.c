@@ -205,6 +205,7 @@ static enum pel_err start_cluster(struct daemon *d, struct pel_fault *fault)
         .program = "pelagosd " PEL_VERSION,
         .wave_count = d->options.waves,
         .log = d->sealed,
+        .exercises = d->exercises,
         .stray = (uint64_t)d->options.exercise_stray,
         .ahead_ms = d->options.exercise_clock_ms,
     };

@@ -37,7 +37,9 @@ static void print_node(const Pelagos__ClusterNode *n, uint64_t newest)
     for (size_t i = 0; i < n->n_views; i++) {
         ctl_print(stdout, "%s%s", i ? ", " : "  draws ", n->views[i]);
     }
-    ctl_print(stdout, "%s\n", n->alike ? "" : "  not bit-equal");
+    ctl_print(stdout, "%s", n->alike ? "" : "  not bit-equal");
+    ctl_print(stdout, "%s%s\n", n->lacks ? "  lacks " : "",
+              n->lacks ? n->lacks : "");
 }
 
 static void print_nodes(const Pelagos__Cluster *c)

@@ -42,6 +42,9 @@ export function faults(node) {
   if (!node.alike) {
     said.push("its pictures are not the master\u2019s to the bit");
   }
+  if (node.lacks) {
+    said.push(node.lacks);
+  }
   return said.join("; ");
 }
 

@@ -11,6 +11,7 @@
 #include "base/metrics.h"
 #include "frames/frames.h"
 #include "pelagos.pb-c.h"
+#include "scene/exercise.h"
 #include "scene/scene.h"
 #include "scene/sealedlog.h"
 
@@ -27,6 +28,7 @@ struct pel_cluster_options {
     int wave_count;
     struct pel_sealedlog *log; /* is told of every sealed frame; NULL: nobody
                                 * records */
+    struct pel_exercises *exercises; /* borrowed; NULL: none */
     uint64_t stray;  /* for tests: the frame after which this node has another
                       * state; 0: none */
     double ahead_ms; /* for tests: of our clock, before the machine's */

@@ -166,6 +166,9 @@ static void fill(struct pel_cluster *c, const char *views[PEL_MAX_VIEWS],
     n->beat = c->beat;
     n->n_views = pel_frames_watched(c->frames, views);
     n->views = (char **)views;
+    n->lacks = c->options.exercises
+                   ? (char *)pel_exercises_stand_by(c->options.exercises)
+                   : NULL;
 }
 
 void pel_cluster_say(struct pel_cluster *c)

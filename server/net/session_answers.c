@@ -7,6 +7,7 @@
 #include "net/surfacewire.h"
 #include "scene/almanac.h"
 #include "scene/catalogue.h"
+#include "scene/led.h"
 #include "wire.h"
 
 /* NULL: the debrief is not open. */
@@ -79,30 +80,6 @@ void pel_session_send_state(struct session *self, bool has_id, uint64_t id)
     reply.result_case = PELAGOS__REPLY__RESULT_STATE;
     reply.state = (Pelagos__State *)pel_scene_state(self->all->scene);
     send_reply(self, &reply);
-}
-
-enum pel_err pel_session_exercise(struct session *self,
-                                  const Pelagos__Request *request,
-                                  struct pel_fault *fault)
-{
-    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-    Pelagos__ExerciseStatus *status;
-    if (!self->all->exercises) {
-        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
-                             "there are no exercises here");
-    }
-    enum pel_err err = pel_exercises_command(self->all->exercises,
-                                             request->exercise, &status, fault);
-    if (err) {
-        return err;
-    }
-    reply.has_id = request->has_id;
-    reply.id = request->id;
-    reply.result_case = PELAGOS__REPLY__RESULT_EXERCISE;
-    reply.exercise = status;
-    send_reply(self, &reply);
-    pelagos__exercise_status__free_unpacked(status, NULL);
-    return PEL_OK;
 }
 
 void pel_session_cluster(struct session *self, const Pelagos__Request *request)
@@ -340,6 +317,63 @@ void pel_session_step(struct session *self, const Pelagos__Request *request)
 {
     struct job *job = owe(self, request);
     pel_scene_submit_step(self->all->scene, request->step, on_edit, job);
+}
+
+/* --- exercises ------------------------------------------------------------ */
+
+static void send_exercise(struct session *self, bool has_id, uint64_t id,
+                          Pelagos__ExerciseStatus *status)
+{
+    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+    reply.has_id = has_id;
+    reply.id = id;
+    reply.result_case = PELAGOS__REPLY__RESULT_EXERCISE;
+    reply.exercise = status;
+    send_reply(self, &reply);
+}
+
+static void on_exercise(void *user, enum pel_err err,
+                        const struct pel_fault *fault)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        self->owes = false;
+        if (err == PEL_OK) {
+            send_exercise(self, job->has_id, job->id, job->exercise);
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    pelagos__exercise_status__free_unpacked(job->exercise, NULL);
+    g_free(job);
+}
+
+enum pel_err pel_session_exercise(struct session *self,
+                                  const Pelagos__Request *request,
+                                  struct pel_fault *fault)
+{
+    struct pel_scene *scene = self->all->scene;
+    uint64_t before = pel_scene_state(scene)->revision;
+    Pelagos__ExerciseStatus *status;
+    if (!self->all->exercises) {
+        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                             "there are no exercises here");
+    }
+    enum pel_err err = pel_exercises_command(self->all->exercises,
+                                             request->exercise, &status, fault);
+    if (err) {
+        return err;
+    }
+    if (pel_scene_state(scene)->revision != before && pel_scene_gated(scene)) {
+        struct job *job = owe(self, request);
+        job->exercise = status;
+        (void)pel_scene_await(scene, NULL, on_exercise, job);
+        return PEL_OK;
+    }
+    send_exercise(self, request->has_id, request->id, status);
+    pelagos__exercise_status__free_unpacked(status, NULL);
+    return PEL_OK;
 }
 
 static void on_spectrum(void *user, enum pel_err err,

@@ -27,7 +27,8 @@ struct job {
     bool has_id;
     uint64_t id;
     struct pel_series_job *series; /* or NULL */
-    bool is_picture;               /* or several of one frame */
+    Pelagos__ExerciseStatus *exercise;
+    bool is_picture; /* or several of one frame */
     bool of_debrief;
     uint64_t picture_id;
 };

@@ -11,6 +11,7 @@
 #include "message.h"
 #include "scene/exercise_parts.h"
 #include "scene/exerciserun.h"
+#include "scene/scene_parts.h"
 
 #define MOST_FACTS (1u << 20) /* of one answer */
 #define MOST_KEPT (4u << 20)
@@ -151,11 +152,25 @@ static enum pel_err load(struct pel_exercises *all, const char *name,
     return pel_exercise_run_load(&all->run, name, exercise, fault);
 }
 
+/* Whether it changes the scene, and not just files. */
+static bool edits(Pelagos__ExerciseAction action)
+{
+    return action == PELAGOS__EXERCISE_ACTION__LOAD ||
+           action == PELAGOS__EXERCISE_ACTION__START ||
+           action == PELAGOS__EXERCISE_ACTION__PAUSE ||
+           action == PELAGOS__EXERCISE_ACTION__REWIND ||
+           action == PELAGOS__EXERCISE_ACTION__STOP;
+}
+
 static enum pel_err act(struct pel_exercises *all,
                         const Pelagos__ExerciseCommand *c,
                         Pelagos__Exercise **shown, struct pel_fault *fault)
 {
-    enum pel_err err;
+    enum pel_err err =
+        edits(c->action) ? pel_scene_refuse_led(all->run.scene, fault) : PEL_OK;
+    if (err) {
+        return err;
+    }
     switch (c->action) {
     case PELAGOS__EXERCISE_ACTION__SHOW:
         return pel_exercise_files_read(all->files, c->name, shown, fault);
@@ -270,19 +285,18 @@ double pel_exercises_time(struct pel_exercises *all)
 /* The exercise that ran when the daemon ended. */
 static void resume(struct pel_exercises *all)
 {
-    const Pelagos__ExerciseRun *now = pel_exercise_run_state(&all->run);
     struct pel_fault fault;
-    if (!now->name || now->phase == PELAGOS__EXERCISE_PHASE__IDLE ||
-        now->phase == PELAGOS__EXERCISE_PHASE__ENDED) {
+    if (!pel_exercise_run_named(&all->run)) {
         return;
     }
     Pelagos__Exercise *exercise = kept(all);
     if (!exercise || pel_exercise_check(exercise, &fault) ||
-        !pel_exercise_run_resume(&all->run, exercise)) {
+        !pel_exercise_run_resume(&all->run, exercise,
+                                 pel_scene_time(all->run.scene))) {
         pel_warn("EXR-002",
                  "exercise %s does not go on: what is kept of it is not what "
                  "the state names; load it again",
-                 now->name);
+                 pel_exercise_run_state(&all->run)->name);
         if (exercise) {
             pelagos__exercise__free_unpacked(exercise, NULL);
         }
@@ -304,7 +318,7 @@ enum pel_err pel_exercises_create(const struct pel_exercises_options *options,
     }
     struct pel_exercises *all = g_new0(struct pel_exercises, 1);
     all->files = pel_exercise_files_create(options->directory);
-    pel_exercise_run_init(&all->run, scene, options->state_path);
+    pel_exercise_run_init(&all->run, scene, all->files, options->state_path);
     resume(all);
     *out = all;
     return PEL_OK;

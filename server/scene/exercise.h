@@ -67,6 +67,12 @@ int pel_exercises_number(struct pel_exercises *all, const char *name);
 /* Exercise time now [s]. */
 double pel_exercises_time(struct pel_exercises *all);
 
+/* Of several daemons with one exercise (server/cluster): why this one does not
+ * lead the exercise that the state names, or would not when it took over; NULL:
+ * it does or would, or none is loaded. Looks into the directory where that is
+ * not known; from then on it has a copy. Until the next call. */
+const char *pel_exercises_stand_by(struct pel_exercises *all);
+
 void pel_exercises_collect(void *user, struct pel_metrics_page *page);
 
 /* Reads and tests an exercise; pelagos__exercise__free_unpacked(*out). Faults

@@ -34,6 +34,11 @@ PEL_CHECK enum pel_err pel_exercise_files_read(struct pel_exercise_files *files,
                                                const char *name,
                                                Pelagos__Exercise **out,
                                                struct pel_fault *fault);
+/* As ExerciseRun.digest, of the file as it is now; NULL: *fault says why there
+ * is none. Until the next call. */
+const char *pel_exercise_files_digest(struct pel_exercise_files *files,
+                                      const char *name,
+                                      struct pel_fault *fault);
 /* The exercise is tested first. */
 PEL_CHECK enum pel_err
 pel_exercise_files_save(struct pel_exercise_files *files, const char *name,
@@ -42,6 +47,8 @@ pel_exercise_files_save(struct pel_exercise_files *files, const char *name,
 PEL_CHECK enum pel_err
 pel_exercise_files_delete(struct pel_exercise_files *files, const char *name,
                           struct pel_fault *fault);
+/* What ExerciseRun.digest has of an exercise; g_free. Any thread. */
+char *pel_exercise_digest(const Pelagos__Exercise *exercise);
 /* The whole of it, by rename; errno where false. */
 bool pel_exercise_replace(const char *path, const void *data, size_t size);
 

@@ -20,7 +20,7 @@
 struct known {
     struct timespec changed;
     off_t size;
-    char *title; /* NULL: none */
+    char *title, *digest; /* NULL: none */
     struct pel_fault fault;
     enum pel_err err;
 };
@@ -35,6 +35,7 @@ static void known_free(gpointer data)
 {
     struct known *k = data;
     g_free(k->title);
+    g_free(k->digest);
     g_free(k);
 }
 
@@ -108,6 +109,16 @@ enum pel_err pel_exercise_files_read(struct pel_exercise_files *files,
     return err;
 }
 
+char *pel_exercise_digest(const Pelagos__Exercise *exercise)
+{
+    size_t size = pelagos__exercise__get_packed_size(exercise);
+    g_autofree uint8_t *bytes = g_malloc(size + 1);
+    pelagos__exercise__pack(exercise, bytes);
+    char *digest = g_compute_checksum_for_data(G_CHECKSUM_SHA256, bytes, size);
+    digest[32] = '\0';
+    return digest;
+}
+
 /* --- listing -------------------------------------------------------------- */
 
 static int by_name(const void *a, const void *b)
@@ -166,10 +177,21 @@ static const struct known *know(struct pel_exercise_files *files,
     k->err = pel_exercise_files_read(files, name, &exercise, &k->fault);
     if (!k->err && exercise) {
         k->title = g_strdup(exercise->title);
+        k->digest = pel_exercise_digest(exercise);
         pelagos__exercise__free_unpacked(exercise, NULL);
     }
     g_hash_table_replace(files->known, g_strdup(name), k);
     return k;
+}
+
+const char *pel_exercise_files_digest(struct pel_exercise_files *files,
+                                      const char *name, struct pel_fault *fault)
+{
+    const struct known *k = know(files, name);
+    if (k->err) {
+        *fault = k->fault;
+    }
+    return k->digest;
 }
 
 void pel_exercise_files_list(struct pel_exercise_files *files,

@@ -169,7 +169,7 @@ static gboolean on_timer(gpointer user)
     return G_SOURCE_CONTINUE;
 }
 
-static void forget(struct pel_exercise_run *run)
+void pel_exercise_run_forget(struct pel_exercise_run *run)
 {
     pel_scene_withdraw(run->scene, run);
     settled(run);
@@ -220,7 +220,7 @@ static void on_edit(void *user, double clock_s, const Pelagos__Patch *patch)
                  "somebody else has edited `exercise`: exercise %s is left to "
                  "them",
                  run->name);
-        forget(run);
+        pel_exercise_run_forget(run);
         return;
     }
     if (!run->returning) {
@@ -442,11 +442,14 @@ static void on_moment(void *user, double clock_s)
 /* --- life ----------------------------------------------------------------- */
 
 void pel_exercise_run_init(struct pel_exercise_run *run,
-                           struct pel_scene *scene, const char *state_path)
+                           struct pel_scene *scene,
+                           struct pel_exercise_files *files,
+                           const char *state_path)
 {
-    const struct pel_scene_acts acts = { next_moment, on_moment, waits, on_edit,
-                                         run };
-    *run = (struct pel_exercise_run){ .scene = scene };
+    const struct pel_scene_acts acts = { next_moment, on_moment,
+                                         waits,       on_edit,
+                                         run,         pel_exercise_run_led };
+    *run = (struct pel_exercise_run){ .scene = scene, .files = files };
     if (state_path) {
         run->kept_path = g_strconcat(state_path, ".exercise", NULL);
         run->facts_path = g_strconcat(state_path, ".exercise.csv", NULL);
@@ -456,11 +459,12 @@ void pel_exercise_run_init(struct pel_exercise_run *run,
 
 void pel_exercise_run_finish(struct pel_exercise_run *run)
 {
-    forget(run);
+    pel_exercise_run_forget(run);
     pel_scene_remove_acts(run->scene, run);
     if (run->timer) {
         g_source_remove(run->timer);
     }
+    pel_exercise_heir_free(run);
     g_free(run->kept_path);
     g_free(run->facts_path);
 }
@@ -474,8 +478,7 @@ static void take(struct pel_exercise_run *run, const char *name,
     pelagos__exercise__pack(exercise, bytes);
     run->name = g_strdup(name);
     run->exercise = exercise;
-    run->digest = g_compute_checksum_for_data(G_CHECKSUM_SHA256, bytes, size);
-    run->digest[32] = '\0';
+    run->digest = pel_exercise_digest(exercise);
     if (run->kept_path && !pel_exercise_replace(run->kept_path, bytes, size)) {
         pel_warn("EXR-008",
                  "%s: a restart would not go on with exercise %s: %s",
@@ -505,7 +508,7 @@ static void loaded(void *user, enum pel_err err, const struct pel_fault *fault)
         run->load_fault = *fault;
         pel_warn("EXR-009", "exercise %s is not loaded: %s", run->name,
                  fault->message);
-        forget(run);
+        pel_exercise_run_forget(run);
         return;
     }
     run->loading = run->start_then = false;
@@ -552,7 +555,7 @@ enum pel_err pel_exercise_run_load(struct pel_exercise_run *run,
 {
     struct pel_exercise_beginning beginning;
     double now_s = pel_scene_time(run->scene);
-    forget(run);
+    pel_exercise_run_forget(run);
     take(run, name, exercise);
     pel_scene_refresh(run->scene, now_s);
     pel_exercise_begin(exercise, run->scene->state, &beginning);
@@ -578,21 +581,23 @@ enum pel_err pel_exercise_run_load(struct pel_exercise_run *run,
 }
 
 bool pel_exercise_run_resume(struct pel_exercise_run *run,
-                             Pelagos__Exercise *exercise)
+                             Pelagos__Exercise *exercise, double clock_s)
 {
     const Pelagos__ExerciseRun *now = pel_exercise_run_state(run);
     struct pel_fault why;
-    double clock_s = pel_scene_time(run->scene);
     take(run, now->name, exercise);
     if (!now->digest || strcmp(now->digest, run->digest) != 0) {
         run->exercise = NULL;
-        forget(run);
+        pel_exercise_run_forget(run);
         return false;
     }
     double time_s = time_at(run, clock_s);
     begin(run, time_s);
     align(run, clock_s);
-    if (now->phase == PELAGOS__EXERCISE_PHASE__READY) {
+    /* Its first moment is looked at by the step that leaves it. */
+    if (now->phase == PELAGOS__EXERCISE_PHASE__READY ||
+        (run->tick == 0 && tick_clock(run, 0) == clock_s &&
+         now->n_events == 0)) {
         run->tick = -1;
     }
     if (mark(run, clock_s, time_s, &why)) {

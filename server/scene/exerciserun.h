@@ -6,6 +6,7 @@
 
 struct pel_exercise_run {
     struct pel_scene *scene;
+    struct pel_exercise_files *files;
     char *kept_path, *facts_path; /* NULL: nothing is kept */
     bool leads;               /* an exercise is loaded, and the state ours */
     bool own;                 /* the edit under way is ours */
@@ -31,6 +32,10 @@ struct pel_exercise_run {
     struct pel_exercise_facts *facts;
     struct pel_exercise_moment moment;
     uint64_t fired, refused;
+    /* While another node leads it: the exercise, with which this one would go
+     * on; NULL: `lacks` says why not, NULL: nor is there any. */
+    Pelagos__Exercise *heir;
+    char *heir_digest, *lacks;
 };
 
 struct pel_exercises {
@@ -39,7 +44,9 @@ struct pel_exercises {
 };
 
 void pel_exercise_run_init(struct pel_exercise_run *run,
-                           struct pel_scene *scene, const char *state_path);
+                           struct pel_scene *scene,
+                           struct pel_exercise_files *files,
+                           const char *state_path);
 void pel_exercise_run_finish(struct pel_exercise_run *run);
 
 /* What the scene's state says of it. */
@@ -53,10 +60,13 @@ PEL_CHECK enum pel_err pel_exercise_run_load(struct pel_exercise_run *run,
                                              const char *name,
                                              Pelagos__Exercise *exercise,
                                              struct pel_fault *fault);
-/* Goes on with the one that the state names, after a restart; false: it is
- * another, and the caller's. */
+/* Goes on with the one that the state names, from simulated time clock_s, up to
+ * which everything has been looked at; false: it is another, and the caller's.
+ */
 bool pel_exercise_run_resume(struct pel_exercise_run *run,
-                             Pelagos__Exercise *exercise);
+                             Pelagos__Exercise *exercise, double clock_s);
+/* Lets it go. */
+void pel_exercise_run_forget(struct pel_exercise_run *run);
 PEL_CHECK enum pel_err pel_exercise_run_start(struct pel_exercise_run *run,
                                               struct pel_fault *fault);
 PEL_CHECK enum pel_err pel_exercise_run_pause(struct pel_exercise_run *run,
@@ -66,3 +76,11 @@ PEL_CHECK enum pel_err pel_exercise_run_rewind(struct pel_exercise_run *run,
                                                struct pel_fault *fault);
 PEL_CHECK enum pel_err pel_exercise_run_stop(struct pel_exercise_run *run,
                                              struct pel_fault *fault);
+
+/* --- exerciseheir.c ------------------------------------------------------- */
+
+/* As pel_scene_acts.led, of a run. */
+void pel_exercise_run_led(void *user, bool on);
+/* Whether the state names an exercise that is not over. */
+bool pel_exercise_run_named(const struct pel_exercise_run *run);
+void pel_exercise_heir_free(struct pel_exercise_run *run);

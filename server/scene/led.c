@@ -13,9 +13,19 @@ enum pel_err pel_scene_refuse_led(const struct pel_scene *scene,
                : PEL_OK;
 }
 
+static void tell(struct pel_scene *scene)
+{
+    for (int i = 0; i < PEL_MAX_ACTS; i++) {
+        if (scene->acts[i].led) {
+            scene->acts[i].led(scene->acts[i].user, scene->led.on);
+        }
+    }
+}
+
 void pel_scene_lead(struct pel_scene *scene, const char *cure)
 {
-    if (!scene->led.on) {
+    bool begins = !scene->led.on;
+    if (begins) {
         pel_scene_refresh(scene, pel_scene_time(scene));
         scene->led.on = true;
         pel_simclock_set(&scene->clock, PEL_CLOCK_STEPPED,
@@ -24,6 +34,9 @@ void pel_scene_lead(struct pel_scene *scene, const char *cure)
     }
     g_free(scene->led.cure);
     scene->led.cure = g_strdup(cure);
+    if (begins) {
+        tell(scene);
+    }
 }
 
 void pel_scene_unlead(struct pel_scene *scene)
@@ -33,6 +46,7 @@ void pel_scene_unlead(struct pel_scene *scene)
         scene->led.on = false;
         pel_simclock_set(&scene->clock, (enum pel_clock_mode)clock->mode,
                          clock->rate, scene->clock.base_s, pel_now_ns());
+        tell(scene);
     }
 }
 

@@ -9,7 +9,7 @@
 
 /* From now on simulated time stands, whatever clock.mode says, but for the
  * calls below; every other edit and step is refused: CONFLICT, with `cure` as
- * the message; nobody acts (pel_scene_set_acts). Patches that wait are refused
+ * the message; nobody acts (pel_scene_add_acts). Patches that wait are refused
  * when their turn comes. May be called again with another cure. */
 void pel_scene_lead(struct pel_scene *scene, const char *cure);
 

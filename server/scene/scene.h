@@ -184,6 +184,10 @@ struct pel_scene_acts {
     /* As a listener. */
     pel_scene_listener heard;
     void *user;
+    /* A log leads the scene from now on, or it leads itself again (led.h), from
+     * the time at which its clock stands; may edit it then. NULL: neither
+     * matters. */
+    void (*led)(void *user, bool on);
 };
 void pel_scene_add_acts(struct pel_scene *scene,
                         const struct pel_scene_acts *acts);

@@ -359,8 +359,8 @@ static void on_commit(void *user)
 struct pel_weather_lead *pel_weather_lead_create(struct pel_scene *scene)
 {
     struct pel_weather_lead *lead = g_new0(struct pel_weather_lead, 1);
-    const struct pel_scene_acts acts = { next_moment, on_moment, waits, on_edit,
-                                         lead };
+    const struct pel_scene_acts acts = { next_moment, on_moment, waits,
+                                         on_edit,     lead,      NULL };
     lead->scene = scene;
     lead->looked_s = lead->floor_s = pel_scene_time(scene);
     pel_scene_add_acts(scene, &acts);
