@@ -13,6 +13,7 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import cigi_host as cigi
+import cluster_case
 from ais_test import sentences
 from live_client import Closed, Live
 from pelagos_daemon import (ROOT, Daemon, Session, free_port, receive_all,
@@ -438,6 +439,45 @@ class Whep(Case):
             self.assertEqual(self.ask(), 201)
             until("it is over", lambda: self.daemon.metrics()[
                 "pelagos_whep_sessions"] == 0)
+
+
+@unittest.skipUnless(cluster_case.has_etcd(), "no etcd")
+class Cluster(Case):
+    """Nodes that only say that they are there."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.store = cluster_case.Store()
+        cls.daemon = cluster_case.Node("one", cls.store)
+        until("it takes part", lambda: cls.daemon.cluster().get("nodes"))
+
+    @classmethod
+    def tearDownClass(cls):
+        super().tearDownClass()
+        cls.store.stop()
+
+    def say(self, names, beat):
+        for name in names:
+            self.store.put(f"bridge/nodes/{name}", schema().ClusterNode(
+                name=name, beat=beat).SerializeToString())
+
+    def listed(self):
+        return {n["name"] for n in self.daemon.cluster().get("nodes", ())}
+
+    def test_CLUSTER_NODES(self):
+        names = [f"n{i:03}" for i in range(VALUE["CLUSTER_NODES"])]
+        with self.rises("CLUSTER_NODES") as most:
+            for beat in range(1, 9):
+                self.say(names, beat)  # with "one" that is one too many
+            self.assertEqual(len(self.listed()), most)
+            self.assertEqual(self.listed(), {"one", *names[:-1]})
+        self.assertEqual(self.daemon.log().count("CLU-021"), 1)
+        self.assertIn(names[-1], self.daemon.log())
+        time.sleep(6.1)  # all are gone now
+        self.say(["late"], 1)
+        until("it has room", lambda: "late" in self.listed())
+        self.assertIn("one", self.listed())
+        self.assertEqual(len(self.listed()), most)
 
 
 class Rtsp(Case):

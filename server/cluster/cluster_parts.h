@@ -73,6 +73,8 @@ struct pel_cluster {
     int64_t head_ns; /* of the last head */
 
     GPtrArray *nodes; /* struct pel_cluster_node */
+    bool full;        /* there is no room for another, and that was said */
+    uint64_t unlisted;
     uint64_t beat;
     double quickest_ms; /* from a seal to our knowing of it, lately */
     double quickest_next_ms;

@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "bounds.h"
 #include "cluster/cluster_parts.h"
 #include "message.h"
 
@@ -13,7 +14,6 @@
 #define WINDOW_BEATS 10 /* the quickest seal is of so many seconds */
 #define CLOCK_MS 1.0    /* by which clocks may differ */
 #define SURE_BEATS 3    /* before that it may be a busy start */
-#define MOST_NODES 64
 /* What pel_frames_stats.present_delay_ms has for delivery. */
 #define DELIVERY_MS 40.0
 
@@ -48,6 +48,45 @@ void pel_cluster_nodes_free(struct pel_cluster *c)
     g_ptr_array_free(c->nodes, TRUE);
 }
 
+/* The one that has been silent for longest, of those that must be gone; NULL:
+ * none. One that has spoken once has as long to do so again as the others. */
+static struct pel_cluster_node *find_gone(const struct pel_cluster *c)
+{
+    int64_t now_ns = pel_now_ns();
+    struct pel_cluster_node *longest = NULL;
+    for (guint i = 0; i < c->nodes->len; i++) {
+        struct pel_cluster_node *node = g_ptr_array_index(c->nodes, i);
+        if (now_ns - node->heard_ns > 2 * SILENT_NS &&
+            (!longest || node->heard_ns < longest->heard_ns)) {
+            longest = node;
+        }
+    }
+    return longest;
+}
+
+static bool has_room(struct pel_cluster *c, const char *name)
+{
+    if (c->nodes->len < PEL_BOUND_CLUSTER_NODES) {
+        return true;
+    }
+    struct pel_cluster_node *gone = find_gone(c);
+    if (gone) {
+        g_ptr_array_remove(c->nodes, gone);
+        node_free(gone);
+        return true;
+    }
+    c->unlisted++;
+    if (!c->full) {
+        pel_warn("CLU-021",
+                 "%d nodes speak in this exercise, which is all that are "
+                 "listed: %.64s and others take part, but nobody waits for "
+                 "their delay",
+                 PEL_BOUND_CLUSTER_NODES, name);
+    }
+    c->full = true;
+    return false;
+}
+
 void pel_cluster_on_node(void *user, const Pelagos__ClusterNode *said)
 {
     struct pel_cluster *c = user;
@@ -56,7 +95,7 @@ void pel_cluster_on_node(void *user, const Pelagos__ClusterNode *said)
     }
     struct pel_cluster_node *node = find(c, said->name);
     if (!node) {
-        if (c->nodes->len == MOST_NODES) {
+        if (!has_room(c, said->name)) {
             return;
         }
         /* What was there already may be of one who is gone. */
@@ -198,6 +237,7 @@ void pel_cluster_say(struct pel_cluster *c)
             g_ptr_array_remove_index(c->nodes, i - 1);
         }
     }
+    c->full = c->full && c->nodes->len == PEL_BOUND_CLUSTER_NODES;
 }
 
 /* --- for others ----------------------------------------------------------- */
@@ -291,6 +331,9 @@ void pel_cluster_collect(void *user, struct pel_metrics_page *page)
         { "pelagos_cluster_differences_total",
           "States that were not the sealed ones.", PEL_METRIC_COUNTER,
           (double)c->differences },
+        { "pelagos_cluster_unlisted_total",
+          "What nodes said that there was no room for.", PEL_METRIC_COUNTER,
+          (double)c->unlisted },
         { "pelagos_cluster_takeovers_total", "Times this node took over.",
           PEL_METRIC_COUNTER, (double)c->takeovers },
         { "pelagos_cluster_stepped_down_total",
