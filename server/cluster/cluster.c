@@ -96,6 +96,7 @@ void pel_cluster_show(struct pel_cluster *c, bool coasts, double further_s)
         .time_s = c->time_s + further_s,
         .number = c->number,
         .present_ns = coasts ? now_ns : present_ns,
+        .present_unix_ns = coasts ? 0 : c->present_unix_ns,
         .host_frame = c->host_frame,
         .coasts = coasts,
     };

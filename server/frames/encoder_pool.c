@@ -63,6 +63,7 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
     frame->format = output->format;
     frame->requested_ns = job->requested_ns;
     frame->present_ns = job->present_ns;
+    frame->present_unix_ns = job->present_unix_ns;
     frame->drawn_ns = picture->drawn_ns;
     frame->device = part->device;
     frame->render_ms = part->radar ? picture->render_ms : part->render_ms;

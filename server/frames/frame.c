@@ -72,3 +72,11 @@ void pel_track_unref(struct pel_track *track)
         free(track);
     }
 }
+
+int64_t pel_frame_present_us(const struct pel_frame *frame, int64_t now_ns,
+                             int64_t unix_ns)
+{
+    return frame->present_unix_ns > 0
+               ? (int64_t)(frame->present_unix_ns / 1000)
+               : (unix_ns - now_ns + frame->present_ns) / 1000;
+}

@@ -79,12 +79,17 @@ struct pel_frame {
     Pelagos__FrameFormat format; /* of PEL_CODEC_PICTURE */
     bool key;                    /* can be shown without those before it */
     int64_t requested_ns, drawn_ns, encoded_ns; /* CLOCK_MONOTONIC */
-    int64_t present_ns; /* when the views of this frame are to be shown */
+    int64_t present_ns;       /* when the views of this frame are to be shown */
+    uint64_t present_unix_ns; /* the same, as a seal has it; 0: none has */
     double render_ms, encode_ms;
     uint32_t device; /* that drew it, of the list of devices from 0 */
     const uint8_t *data;
     size_t size;
 };
+/* When it is to be shown, of a frame of now_ns by CLOCK_MONOTONIC, which is
+ * unix_ns [us since 1970]: the same on all nodes where it is sealed. */
+int64_t pel_frame_present_us(const struct pel_frame *frame, int64_t now_ns,
+                             int64_t unix_ns);
 struct pel_frame *pel_frame_ref(struct pel_frame *frame);
 void pel_frame_unref(struct pel_frame *frame); /* NULL allowed */
 
@@ -236,7 +241,8 @@ struct pel_sealed {
     const struct pel_snapshot *snapshot; /* NULL: the scene's present */
     double time_s;
     uint64_t number;
-    int64_t present_ns; /* CLOCK_MONOTONIC */
+    int64_t present_ns;       /* CLOCK_MONOTONIC */
+    uint64_t present_unix_ns; /* what all say of it; 0: each by its clock */
     uint32_t host_frame;
     bool coasts; /* the next one is late: pictures are stale by `exercise` */
 };

@@ -120,8 +120,9 @@ struct pel_job {
     uint32_t host_frame;
     int64_t requested_ns;
     int64_t present_ns;
-    unsigned stale; /* beyond the snapshot's, of enum pel_stale */
-    double scale;   /* of live draws */
+    uint64_t present_unix_ns; /* 0: it is not sealed */
+    unsigned stale;           /* beyond the snapshot's, of enum pel_stale */
+    double scale;             /* of live draws */
     int64_t launched_ns;
     int64_t drawn_ns; /* when the last picture was there */
     const struct pel_snapshot *snapshot;

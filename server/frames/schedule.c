@@ -178,6 +178,8 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
     job->present_ns = frames->sealed.snapshot
                           ? frames->sealed.present_ns
                           : job->requested_ns + frames->present_delay_ns;
+    job->present_unix_ns =
+        frames->sealed.snapshot ? frames->sealed.present_unix_ns : 0;
     job->scale = pel_quality_scale(&frames->quality);
     job->snapshot = s;
     job->host_frame = frames->sealed.snapshot

@@ -90,9 +90,7 @@ void pel_live_header(const struct pel_frame *frame, int64_t now_ns,
     put(out + 48, since_us(frame->requested_ns, now_ns), 4);
     put(out + 52, missed, 4);
     put(out + 56, frame->revision, 8);
-    put(out + 64,
-        (uint64_t)((stamp_ns + frame->present_ns - frame->requested_ns) / 1000),
-        8);
+    put(out + 64, (uint64_t)pel_frame_present_us(frame, now_ns, unix_ns), 8);
     put(out + 72, frame->drawn_width, 2);
     put(out + 74, frame->drawn_height, 2);
 }

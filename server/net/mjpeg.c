@@ -93,12 +93,6 @@ void pel_viewer_destroy(struct pel_viewer *self)
     }
 }
 
-/* When the picture is to be shown, by the clock on the wall. */
-static double present_unix_s(const struct pel_frame *frame)
-{
-    return 1e-9 * (double)(pel_unix_ns() + frame->present_ns - pel_now_ns());
-}
-
 /* Microseconds since 1970 when the frame was begun. */
 static int64_t stamp_us(const struct pel_frame *frame)
 {
@@ -113,22 +107,25 @@ static void begin_picture(struct pel_viewer *self)
     self->pending = NULL;
     self->offset = 0;
     char stale[PEL_STALE_TEXT], time[32];
+    int64_t present_us =
+        pel_frame_present_us(self->current, pel_now_ns(), pel_unix_ns());
     pel_json_number(self->current->time_s, time);
-    int n = snprintf(self->head, sizeof self->head,
-                     "%sContent-Type: image/jpeg\r\nContent-Length: %zu\r\n"
-                     "X-Pelagos-Frame: %llu\r\nX-Pelagos-Time: %s\r\n"
-                     "X-Pelagos-Revision: %llu\r\nX-Pelagos-Stale: %s\r\n"
-                     "X-Pelagos-Host-Frame: %u\r\nX-Pelagos-Drawn: %ux%u\r\n"
-                     "X-Pelagos-Present: %.6f\r\nX-Pelagos-Stamp: %lld\r\n"
-                     "X-Timestamp: %.6f\r\nX-Pelagos-Missed: %u\r\n\r\n",
-                     self->begun ? "" : "--pelagos\r\n", self->current->size,
-                     (unsigned long long)self->current->number, time,
-                     (unsigned long long)self->current->revision,
-                     pel_stale_text(self->current->stale, stale),
-                     self->current->host_frame, self->current->drawn_width,
-                     self->current->drawn_height, present_unix_s(self->current),
-                     (long long)stamp_us(self->current),
-                     1e-6 * (double)stamp_us(self->current), self->missed);
+    int n = snprintf(
+        self->head, sizeof self->head,
+        "%sContent-Type: image/jpeg\r\nContent-Length: %zu\r\n"
+        "X-Pelagos-Frame: %llu\r\nX-Pelagos-Time: %s\r\n"
+        "X-Pelagos-Revision: %llu\r\nX-Pelagos-Stale: %s\r\n"
+        "X-Pelagos-Host-Frame: %u\r\nX-Pelagos-Drawn: %ux%u\r\n"
+        "X-Pelagos-Present: %lld.%06lld\r\nX-Pelagos-Stamp: %lld\r\n"
+        "X-Timestamp: %.6f\r\nX-Pelagos-Missed: %u\r\n\r\n",
+        self->begun ? "" : "--pelagos\r\n", self->current->size,
+        (unsigned long long)self->current->number, time,
+        (unsigned long long)self->current->revision,
+        pel_stale_text(self->current->stale, stale), self->current->host_frame,
+        self->current->drawn_width, self->current->drawn_height,
+        (long long)(present_us / 1000000), (long long)(present_us % 1000000),
+        (long long)stamp_us(self->current),
+        1e-6 * (double)stamp_us(self->current), self->missed);
     self->head_size = (size_t)n;
     self->begun = true;
 }
