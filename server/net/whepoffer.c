@@ -294,9 +294,12 @@ static enum pel_err check(const struct reader *r, struct pel_fault *fault)
     return PEL_OK;
 }
 
-static enum pel_err malformed(struct pel_fault *fault, const char *line)
+static enum pel_err malformed(struct pel_fault *fault, int number,
+                              const char *line)
 {
-    return pel_fault_value(fault, PEL_ERR_MALFORMED, "", line,
+    char path[16];
+    snprintf(path, sizeof path, "line %d", number);
+    return pel_fault_value(fault, PEL_ERR_MALFORMED, path, line,
                            "is no line of SDP that an offer may have here "
                            "(RFC 8866: v=0 first, at most 16 lines m=)");
 }
@@ -305,7 +308,7 @@ static enum pel_err read_lines(struct reader *r, char **lines,
                                struct pel_fault *fault)
 {
     if (strcmp(g_strchomp(lines[0]), "v=0") != 0) {
-        return malformed(fault, lines[0]);
+        return malformed(fault, 1, lines[0]);
     }
     for (int i = 1; lines[i]; i++) {
         const char *line = g_strchomp(lines[i]);
@@ -316,12 +319,12 @@ static enum pel_err read_lines(struct reader *r, char **lines,
             break;
         }
         if (!plain) {
-            return malformed(fault, line);
+            return malformed(fault, i + 1, line);
         }
         if (line[0] == 'm') {
             end_line(r);
             if (!begin_line(r, line + 2)) {
-                return malformed(fault, line);
+                return malformed(fault, i + 1, line);
             }
         } else if (line[0] == 'a') {
             read_attribute(r, line + 2);
@@ -337,7 +340,7 @@ enum pel_err pel_whep_offer_read(const char *text, size_t size,
 {
     *out = (struct pel_whep_offer){ .video = 0 };
     if (size == 0 || memchr(text, '\0', size)) {
-        return malformed(fault, "");
+        return malformed(fault, 1, "");
     }
     struct reader *r = g_new0(struct reader, 1);
     r->out = out;

@@ -30,7 +30,7 @@ struct pel_whep_offer {
     char fingerprint[112]; /* "sha-256 AB:CD…" */
     char setup[12];        /* "actpass", "active", "passive" */
     /* UDP, numeric addresses; without "candidate:" */
-    char candidates[PEL_WHEP_CANDIDATES][128];
+    char candidates[PEL_WHEP_CANDIDATES][144];
     size_t candidate_count;
 };
 

@@ -25,7 +25,7 @@ parsers=(proto/json.c proto/jsonread.c proto/patch.c proto/path.c
     proto/unpack.c
     server/net/http_{auth,exercise,live,optics,preset,request}.c
     server/net/http_{route,series,set,view}.c server/net/series_plan.c
-    server/net/{hls,roles,token,websocket}.c
+    server/net/{hls,roles,token,websocket,whepoffer}.c
     server/bridges/{ais,console_table,modbus_adu,modbus_map}.c
     server/bridges/cigi{,_areas,_conditions,_entities,_layers,_lights}.c
     server/bridges/cigi_{packet,pose,query,sensor,weather,world}.c
