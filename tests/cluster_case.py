@@ -220,11 +220,11 @@ class Node(Daemon):
     """A daemon of the exercise; extra: more options."""
 
     def __init__(self, name, store, *extra, prefix=(), host="127.0.0.1",
-                 fps=30, wait_s=60):
+                 fps=30, wait_s=60, quality="full"):
         self.name = name
         self.host = host
         super().__init__("--exercise", store.url(), "--exercise-node", name,
-                         "--fps", str(fps), "--quality", "full",
+                         "--fps", str(fps), "--quality", quality,
                          "--realtime", "off", "--encoder-threads", "1",
                          *extra, wait_s=wait_s)
 

@@ -98,6 +98,7 @@ void pel_cluster_show(struct pel_cluster *c, bool coasts, double further_s)
         .present_ns = coasts ? now_ns : present_ns,
         .present_unix_ns = coasts ? 0 : c->present_unix_ns,
         .host_frame = c->host_frame,
+        .quality = c->quality,
         .coasts = coasts,
     };
     pel_frames_show(c->frames, &sealed);

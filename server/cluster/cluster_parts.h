@@ -48,6 +48,7 @@ struct pel_cluster {
     double time_s;
     uint64_t present_unix_ns;
     uint32_t host_frame;
+    double quality; /* scale of its live views; 0: nobody has said */
     uint8_t digest[PEL_DIGEST_SIZE];
     struct pel_packed packed; /* its state; where it is not kept, nothing */
     int64_t sealed_ns; /* when we came to know of it, or of another master */
@@ -67,12 +68,14 @@ struct pel_cluster {
         uint8_t digest[PEL_DIGEST_SIZE];
         struct pel_packed packed;
         GPtrArray *entries; /* what the frame has */
+        double quality;
         int64_t begun_ns;
         Pelagos__ClusterHead *head; /* goes to the store after it; NULL: none */
     } pending;
     int64_t head_ns; /* of the last head */
 
     GPtrArray *nodes; /* struct pel_cluster_node */
+    bool unlike;      /* our --quality is another than the seals', said */
     bool full;        /* there is no room for another, and that was said */
     uint64_t unlisted;
     uint64_t beat;
@@ -149,6 +152,9 @@ void pel_cluster_say(struct pel_cluster *c);
 void pel_cluster_heard(struct pel_cluster *c, const Pelagos__Seal *seal);
 /* The longest that a node takes from a seal to its pictures [ns]. */
 int64_t pel_cluster_slowest_ns(const struct pel_cluster *c);
+/* Scale of live views that the slowest node draws in time, or that is fixed on
+ * this one. */
+double pel_cluster_quality(const struct pel_cluster *c);
 /* How many nodes take over before this one. */
 unsigned pel_cluster_order(const struct pel_cluster *c);
 void pel_cluster_nodes_free(struct pel_cluster *c);

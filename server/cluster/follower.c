@@ -239,6 +239,7 @@ static void follow(struct pel_cluster *c, uint64_t number,
     pel_cluster_advance(c, number, pel_scene_snapshot_at(c->scene, seal->time),
                         seal->time, seal->present, seal->host_frame, digest);
     pel_cluster_keep(c, frame->entries, frame->n_entries, seal->anew);
+    c->quality = seal->quality;
     if (c->role == PELAGOS__CLUSTER_ROLE__FOLLOWER) {
         pel_cluster_heard(c, seal);
         pel_cluster_show(c, false, 0);

@@ -146,6 +146,8 @@ static void begin_frame(struct pel_cluster *c, Pelagos__Seal *seal)
     seal->master = c->name;
     seal->term = c->master->term;
     seal->host_frame = c->pending.host_frame;
+    seal->has_quality = true;
+    seal->quality = c->pending.quality = pel_cluster_quality(c);
     seal->anew = head;
 }
 
@@ -185,6 +187,7 @@ void pel_cluster_confirm(struct pel_cluster *c, uint64_t revision)
     c->pending.packed.bytes = NULL;
     pel_cluster_keep(c, (Pelagos__LogEntry **)c->pending.entries->pdata,
                      c->pending.entries->len, head != NULL);
+    c->quality = c->pending.quality;
     clear_pending(c);
     pel_cluster_show(c, false, 0);
     pel_scene_sealed(c->scene, c->number);

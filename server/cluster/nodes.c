@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "bounds.h"
 #include "cluster/cluster_parts.h"
+#include "frames/quality.h"
 #include "message.h"
 
 #define SILENT_NS 3000000000LL
@@ -150,6 +151,22 @@ int64_t pel_cluster_slowest_ns(const struct pel_cluster *c)
     return (int64_t)(most_ms * 1e6);
 }
 
+double pel_cluster_quality(const struct pel_cluster *c)
+{
+    int64_t now_ns = pel_now_ns();
+    struct pel_frames_stats stats;
+    pel_frames_get_stats(c->frames, &stats);
+    double least = stats.quality_wanted;
+    for (guint i = 0; i < c->nodes->len && !stats.quality_fixed; i++) {
+        const struct pel_cluster_node *node = g_ptr_array_index(c->nodes, i);
+        bool other = strcmp(node->said->name, c->name) != 0;
+        if (other && node->said->has_quality && !is_silent(node, now_ns)) {
+            least = fmin(least, fmax(node->said->quality, PEL_QUALITY_MIN));
+        }
+    }
+    return least;
+}
+
 unsigned pel_cluster_order(const struct pel_cluster *c)
 {
     int64_t now_ns = pel_now_ns();
@@ -169,18 +186,36 @@ unsigned pel_cluster_order(const struct pel_cluster *c)
 
 /* --- what we say ---------------------------------------------------------- */
 
-static double delay_ms(const struct pel_cluster *c)
+static double delay_ms(const struct pel_cluster *c,
+                       const struct pel_frames_stats *stats)
 {
-    struct pel_frames_stats stats;
-    pel_frames_get_stats(c->frames, &stats);
     double way_ms = isfinite(c->quickest_ms) ? fmax(c->quickest_ms, 0) : 0;
-    return fmax(stats.present_delay_ms - DELIVERY_MS, 0) + way_ms;
+    return fmax(stats->present_delay_ms - DELIVERY_MS, 0) + way_ms;
+}
+
+/* Whether live views are drawn here at another scale than the seals say. */
+static bool is_unlike(struct pel_cluster *c,
+                      const struct pel_frames_stats *stats)
+{
+    bool unlike = stats->quality_fixed > 0 && c->quality > 0 &&
+                  stats->quality_fixed != c->quality;
+    if (unlike && !c->unlike) {
+        pel_warn("CLU-022",
+                 "node %s draws live views at %.2f of their size, as its "
+                 "--quality says, and the exercise at %.2f: they are not the "
+                 "others' to the bit; --quality auto goes by the exercise",
+                 c->name, stats->quality_fixed, c->quality);
+    }
+    c->unlike = unlike;
+    return unlike;
 }
 
 /* Borrows what it can. */
 static void fill(struct pel_cluster *c, const char *views[PEL_MAX_VIEWS],
                  Pelagos__ClusterNode *n)
 {
+    struct pel_frames_stats stats;
+    pel_frames_get_stats(c->frames, &stats);
     pelagos__cluster_node__init(n);
     n->name = c->name;
     n->address = c->address;
@@ -193,7 +228,7 @@ static void fill(struct pel_cluster *c, const char *views[PEL_MAX_VIEWS],
     n->frame = c->number;
     n->digest.data = c->digest;
     n->digest.len = 8;
-    n->delay = delay_ms(c);
+    n->delay = delay_ms(c, &stats);
     n->has_clock = clock_offset(c, &n->clock);
     n->has_quickest = isfinite(c->quickest_ms);
     n->quickest = n->has_quickest ? c->quickest_ms : 0;
@@ -201,7 +236,9 @@ static void fill(struct pel_cluster *c, const char *views[PEL_MAX_VIEWS],
     n->gaps = c->gaps;
     n->rank = c->options.rank;
     n->waves = (uint32_t)c->options.wave_count;
-    n->alike = c->alike;
+    n->alike = c->alike && !is_unlike(c, &stats);
+    n->has_quality = stats.quality_fixed == 0;
+    n->quality = stats.quality_wanted;
     n->beat = c->beat;
     n->n_views = pel_frames_watched(c->frames, views);
     n->views = (char **)views;

@@ -151,6 +151,9 @@ struct pel_frames {
 
 /* --- shown.c: what there is to be seen ----------------------------------- */
 
+/* Scale of the next live frame: that of a sealed one is the same on all nodes,
+ * as long as none is fixed here. */
+double pel_shown_scale(const struct pel_frames *frames);
 /* Of the scene's present, or of what was sealed; a new reference, and time. */
 const struct pel_snapshot *pel_shown_snapshot(const struct pel_frames *frames);
 double pel_shown_time(const struct pel_frames *frames);

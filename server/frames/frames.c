@@ -253,7 +253,9 @@ void pel_frames_get_stats(const struct pel_frames *frames,
     out->render_ms_median = pel_window_rank(&frames->render_ms, 0.5);
     out->render_ms_p95 = pel_window_rank(&frames->render_ms, 0.95);
     out->encode_ms_median = pel_window_rank(&frames->encode_ms, 0.5);
-    out->quality = pel_quality_scale(&frames->quality);
+    out->quality = pel_shown_scale(frames);
+    out->quality_wanted = pel_quality_scale(&frames->quality);
+    out->quality_fixed = frames->quality.fixed;
     out->quality_changes = frames->quality.changes;
     out->present_delay_ms = (double)frames->present_delay_ns * 1e-6;
     out->in_compute = pel_devices_in_compute(frames->devices);

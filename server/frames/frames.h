@@ -244,7 +244,8 @@ struct pel_sealed {
     int64_t present_ns;       /* CLOCK_MONOTONIC */
     uint64_t present_unix_ns; /* what all say of it; 0: each by its clock */
     uint32_t host_frame;
-    bool coasts; /* the next one is late: pictures are stale by `exercise` */
+    double quality; /* scale of live views, where none is fixed here; 0: own */
+    bool coasts;    /* the next one is late: pictures are stale by `exercise` */
 };
 
 /* From now on everything shows this and no more, instead of the scene as it is:
@@ -268,6 +269,8 @@ struct pel_frames_stats {
     uint64_t surfaces, surfaces_prefetched; /* queries taken */
     double render_ms_median, render_ms_p95; /* of the last 256 views */
     double quality; /* scale of width and height of live views, 0.25..1 */
+    double quality_wanted; /* that would hold their rate here */
+    double quality_fixed;  /* by options; 0: none is */
     uint64_t quality_changes;
     double present_delay_ms; /* of live views, from the stamp */
     double encode_ms_median;

@@ -131,11 +131,14 @@ bool pel_quality_feed(struct pel_quality *quality, double scale,
                       uint64_t pixels, double busy_ms, double period_ms,
                       int64_t now_ns)
 {
-    if (quality->fixed > 0 || scale != scale_of(quality->step)) {
+    double own = scale_of(quality->step);
+    if (quality->fixed > 0 || scale > own) {
         return false;
     }
-    if (pixels != quality->pixels) { /* other views: nothing is known */
+    /* Other views, or another scale: nothing is known. */
+    if (pixels != quality->pixels || scale != quality->sampled) {
         quality->pixels = pixels;
+        quality->sampled = scale;
         quality->count = 0;
         quality->calm_ns = 0;
     }
@@ -147,7 +150,11 @@ bool pel_quality_feed(struct pel_quality *quality, double scale,
     quality->pixel_ms = median(quality) / ((double)pixels * scale * scale);
     bool many = quality->count >= PEL_QUALITY_SAMPLES;
     if (load > (many ? TOO_MUCH : FAR_TOO_MUCH)) {
-        return go_down(quality, load, now_ns);
+        while (scale_of(quality->step) > scale &&
+               quality->step < PEL_QUALITY_STEPS - 1) {
+            quality->step++;
+        }
+        return go_down(quality, load, now_ns) || scale < own;
     }
-    return many && go_up(quality, load, now_ns);
+    return scale == own && many && go_up(quality, load, now_ns);
 }

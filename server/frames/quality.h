@@ -23,7 +23,8 @@ struct pel_quality {
     unsigned step;     /* 0: full */
     uint64_t pixels;   /* of a frame in full, of the samples */
     uint64_t expected; /* the same, of the next frame */
-    double samples[PEL_QUALITY_SAMPLES]; /* [ms], at this step */
+    double samples[PEL_QUALITY_SAMPLES]; /* [ms], at the scale `sampled` */
+    double sampled;
     size_t count;
     int64_t calm_ns;  /* since then a finer step would do; 0: it would not */
     int64_t wait_ns;  /* before the next step up */
@@ -51,8 +52,9 @@ bool pel_quality_expect(struct pel_quality *quality, uint64_t pixels,
 
 /* A frame that was drawn at `scale` kept the renderer for busy_ms; `pixels`:
  * its size in full; period_ms: between frames; now_ns: of any clock that does
- * not run backwards. Frames of other scales than the present one are passed
- * over. True when the scale has changed. */
+ * not run backwards. Frames of finer scales than the present one are passed
+ * over; those of coarser ones, which somebody else has chosen, say no more than
+ * that even they are too much. True when the scale has changed. */
 bool pel_quality_feed(struct pel_quality *quality, double scale,
                       uint64_t pixels, double busy_ms, double period_ms,
                       int64_t now_ns);

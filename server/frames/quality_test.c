@@ -79,6 +79,33 @@ static void test_it_does_not_flap(void **state)
     }
 }
 
+/* Frames of a coarser scale, which another machine has asked for. */
+static void test_coarser_frames_tell_of_an_overload_alone(void **state)
+{
+    (void)state;
+    struct machine m = machine(1, 20);
+    draw_for(&m, 1);
+    for (int i = 0; i < 200; i++) {
+        m.now_ns += 33000000;
+        assert_false(
+            pel_quality_feed(&m.quality, 0.5, PIXELS, 6, PERIOD_MS, m.now_ns));
+    }
+    assert_true(pel_quality_scale(&m.quality) == 1.0);
+    for (int i = 0; i < PEL_QUALITY_SAMPLES; i++) {
+        m.now_ns += 50000000;
+        pel_quality_feed(&m.quality, 0.5, PIXELS, 50, PERIOD_MS, m.now_ns);
+    }
+    assert_true(pel_quality_scale(&m.quality) < 0.5);
+    /* Finer ones are of before it was asked for less. */
+    double scale = pel_quality_scale(&m.quality);
+    for (int i = 0; i < 200; i++) {
+        m.now_ns += 33000000;
+        assert_false(
+            pel_quality_feed(&m.quality, 1, PIXELS, 90, PERIOD_MS, m.now_ns));
+    }
+    assert_true(pel_quality_scale(&m.quality) == scale);
+}
+
 static void test_a_step_that_fails_is_tried_ever_less(void **state)
 {
     (void)state;
@@ -195,6 +222,7 @@ int main(void)
         cmocka_unit_test(test_cheap_frames_stay_full),
         cmocka_unit_test(test_dear_frames_keep_the_rate_within_a_second),
         cmocka_unit_test(test_it_does_not_flap),
+        cmocka_unit_test(test_coarser_frames_tell_of_an_overload_alone),
         cmocka_unit_test(test_a_step_that_fails_is_tried_ever_less),
         cmocka_unit_test(test_it_comes_back),
         cmocka_unit_test(test_one_slow_frame_is_no_reason),

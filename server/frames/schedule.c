@@ -180,7 +180,7 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
                           : job->requested_ns + frames->present_delay_ns;
     job->present_unix_ns =
         frames->sealed.snapshot ? frames->sealed.present_unix_ns : 0;
-    job->scale = pel_quality_scale(&frames->quality);
+    job->scale = pel_shown_scale(frames);
     job->snapshot = s;
     job->host_frame = frames->sealed.snapshot
                           ? frames->sealed.host_frame
@@ -291,7 +291,7 @@ static void publish_quality(struct pel_frames *frames)
     pel_log_limited(&limit, PEL_LOG_INFO, "FRM-006",
                     "live views are drawn at %.2f of their size to hold %.3g "
                     "Hz",
-                    pel_quality_scale(&frames->quality), frames->max_fps);
+                    pel_shown_scale(frames), frames->max_fps);
     frames->ready_ms.count = 0;
 }
 
@@ -329,7 +329,7 @@ static void expect_streams(struct pel_frames *frames, struct pel_job *job)
     }
     if (pel_quality_expect(&frames->quality, pixels,
                            1000.0 / frames->max_fps)) {
-        job->scale = pel_quality_scale(&frames->quality);
+        job->scale = pel_shown_scale(frames);
         publish_quality(frames);
     }
 }
