@@ -119,7 +119,7 @@ SDP = "application/sdp"
 def edits(method, path):
     """Whether it changes the state."""
     return (method in ("PATCH", "PUT", "DELETE") and
-            not path.startswith("v1/whep"))
+            not path.startswith(("v1/whep", "v1/cluster")))
 
 
 # Forms that an answer may be asked for in, beside JSON.
@@ -327,6 +327,7 @@ class Document:
             "v1/debrief") else set()
         if edits(method, path):
             codes |= {"409", "412"}
+        codes |= {"409"} if path.startswith("v1/cluster/place") else set()
         if answer == "live":
             codes |= {"403", "426", "429"}
         if path.startswith("v1/clock"):
@@ -335,6 +336,9 @@ class Document:
         if answer == "Health":
             out["503"] = {"description": "it is not well", "content": {
                 "application/json": {"schema": refer("Health")}}}
+        if answer == "ClusterPlace":
+            out["503"] = {"description": "another node draws it", "content": {
+                "application/json": {"schema": refer(answer)}}}
         if answer in ("page", "schema", "openapi"):
             out["304"] = {"description": "as If-None-Match has it"}
         out["default"] = refer("Problem", "responses")

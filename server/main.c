@@ -201,6 +201,7 @@ static enum pel_err start_cluster(struct daemon *d, struct pel_fault *fault)
         .address = *d->options.exercise_address ? d->options.exercise_address
                                                 : d->options.http,
         .rank = d->options.exercise_rank,
+        .spare = d->options.exercise_spare,
         .rate_hz = d->options.fps,
         .program = "pelagosd " PEL_VERSION,
         .wave_count = d->options.waves,

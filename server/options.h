@@ -65,6 +65,7 @@ struct pel_options {
     char exercise_cert[PEL_OPTION_TEXT], exercise_key[PEL_OPTION_TEXT];
     char exercise_ca[PEL_OPTION_TEXT];
     int exercise_rank;
+    bool exercise_spare;
     int exercise_stray;
     double exercise_clock_ms;
     char device[PEL_OPTION_TEXT];

@@ -286,6 +286,10 @@ const struct pel_option pel_option_table[] = {
       .offset = FIELD(exercise_rank),
       .help = "Of the nodes that are there the one with the lowest takes over "
               "where the master falls silent; -1 never does." },
+    { "exercise-spare", "nodes", PEL_OPTION_FLAG, "", "no",
+      .offset = FIELD(exercise_spare),
+      .help = "This node is there for those that are gone: it takes the views "
+              "that are placed at them (pelagosctl cluster place)." },
     { "exercise-cert", "nodes", PEL_OPTION_PATH, "FILE|off", "off",
       .offset = FIELD(exercise_cert),
       .help = "Certificate in PEM that is shown to etcd." },

@@ -562,6 +562,23 @@ enum pel_client_code pel_client_exercise(
     return code;
 }
 
+static enum pel_client_code ask_cluster(struct pel_client *client,
+                                        Pelagos__Request *request,
+                                        Pelagos__Cluster **out,
+                                        struct pel_client_error *error)
+{
+    Pelagos__Reply *reply = NULL;
+    enum pel_client_code code =
+        call(client, request, PELAGOS__REPLY__RESULT_CLUSTER, &reply, error);
+    if (code == PEL_CLIENT_OK) {
+        *out = reply->cluster;
+        reply->cluster = NULL;
+        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
+        pelagos__reply__free_unpacked(reply, NULL);
+    }
+    return code;
+}
+
 enum pel_client_code pel_client_cluster(struct pel_client *client,
                                         Pelagos__Cluster **out,
                                         struct pel_client_error *error)
@@ -570,16 +587,18 @@ enum pel_client_code pel_client_cluster(struct pel_client *client,
     Pelagos__ClusterQuery query = PELAGOS__CLUSTER_QUERY__INIT;
     request.command_case = PELAGOS__REQUEST__COMMAND_CLUSTER;
     request.cluster = &query;
-    Pelagos__Reply *reply = NULL;
-    enum pel_client_code code =
-        call(client, &request, PELAGOS__REPLY__RESULT_CLUSTER, &reply, error);
-    if (code == PEL_CLIENT_OK) {
-        *out = reply->cluster;
-        reply->cluster = NULL;
-        reply->result_case = PELAGOS__REPLY__RESULT__NOT_SET;
-        pelagos__reply__free_unpacked(reply, NULL);
-    }
-    return code;
+    return ask_cluster(client, &request, out, error);
+}
+
+enum pel_client_code
+pel_client_place(struct pel_client *client,
+                 const Pelagos__ClusterPlaceCommand *command,
+                 Pelagos__Cluster **out, struct pel_client_error *error)
+{
+    Pelagos__Request request = PELAGOS__REQUEST__INIT;
+    request.command_case = PELAGOS__REQUEST__COMMAND_PLACE;
+    request.place = (Pelagos__ClusterPlaceCommand *)command;
+    return ask_cluster(client, &request, out, error);
 }
 
 enum pel_client_code pel_client_optics(struct pel_client *client,

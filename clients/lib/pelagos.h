@@ -189,6 +189,13 @@ PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_cluster(struct pel_client *client, Pelagos__Cluster **out,
                    struct pel_client_error *error);
 
+/* Places a view at a node of the exercise, or without command->node no more;
+ * the nodes afterwards, as above. */
+PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
+pel_client_place(struct pel_client *client,
+                 const Pelagos__ClusterPlaceCommand *command,
+                 Pelagos__Cluster **out, struct pel_client_error *error);
+
 /* Numbers of light (query->brdf or query->sky), of the state in force or of
  * what query->patch would make of it; the scene stays as it is. Free *out with
  * pelagos__optics__free_unpacked(). */

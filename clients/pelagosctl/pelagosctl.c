@@ -171,6 +171,8 @@ static const char *const exercise_examples[] = {
 };
 static const char *const cluster_examples[] = {
     "pelagosctl cluster\nWho is the master, and whether all show the same.",
+    "pelagosctl cluster place left render-2\nrender-2 draws the view left; a "
+    "spare does while it is gone.",
     NULL,
 };
 static const char *const model_examples[] = {
@@ -528,13 +530,18 @@ const struct ctl_command ctl_commands[] = {
       "what was logged of own ship and its targets as CSV, of several own "
       "ships those of the one with that number.",
       NULL, exercise_examples, NULL, 0, 3, ctl_exercise },
-    { "cluster", "", "list the nodes of an exercise on several machines",
+    { "cluster", "[place VIEW NODE|unplace VIEW]",
+      "list the nodes of an exercise on several machines, place views",
       "Of each node of pelagosd --exercise, as it said within the last second: "
       "its role, the last sealed frame that it shows and by how many it is "
       "behind, the digest of its state then, the time from a seal to its "
       "pictures, its clock minus the master's, what went wrong, and where it "
-      "is reached. A node that says nothing is silent.",
-      NULL, cluster_examples, NULL, 0, 0, ctl_cluster },
+      "is reached. A node that says nothing is silent. Then the views that are "
+      "placed, where, who draws each now, and where that one is reached.\n\n"
+      "place VIEW NODE places a view at a node, which need not be there, "
+      "whatever node is asked; while that one is gone a spare (pelagosd "
+      "--exercise-spare) draws it. unplace VIEW: nobody in particular does.",
+      NULL, cluster_examples, NULL, 0, 3, ctl_cluster },
     { "step", "[SECONDS]", "advance simulated time in mode STEPPED",
       "Advances the clock by SECONDS (1/30) and prints the new time. Only in "
       "clock.mode STEPPED.",

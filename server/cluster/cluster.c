@@ -14,6 +14,7 @@
 #define PATIENCE_MS 25
 #define COAST_AFTER_NS 100000000LL
 #define COAST_NS 1000000000LL
+#define BEAT_MS 250
 #define NAMED "a-z A-Z 0-9 . _ -"
 
 int64_t pel_cluster_unix_ns(const struct pel_cluster *c)
@@ -56,6 +57,9 @@ void pel_cluster_pack(const struct pel_cluster *c, const Pelagos__State *state,
 void pel_cluster_know_master(struct pel_cluster *c,
                              const Pelagos__ClusterMaster *master)
 {
+    if (c->master && strcmp(c->master->name, master->name) != 0) {
+        pel_cluster_suspect(c, c->master->name);
+    }
     if (c->master) {
         pelagos__cluster_master__free_unpacked(c->master, NULL);
     }
@@ -124,14 +128,34 @@ void pel_cluster_advance(struct pel_cluster *c, uint64_t number,
     memcpy(c->digest, digest, sizeof c->digest);
 }
 
+/* --- the store's silence -------------------------------------------------- */
+
+/* The longest pause of the store that is none. */
+static int64_t pause_ns(const struct pel_cluster *c)
+{
+    return MAX(COAST_AFTER_NS, (int64_t)(3e9 / c->options.rate_hz));
+}
+
+void pel_cluster_hear(struct pel_cluster *c)
+{
+    int64_t now_ns = pel_now_ns();
+    c->listened_ns += MIN(now_ns - c->told_ns, pause_ns(c));
+    c->told_ns = now_ns;
+}
+
+bool pel_cluster_is_current(const struct pel_cluster *c)
+{
+    return c->role != PELAGOS__CLUSTER_ROLE__JOINING &&
+           pel_now_ns() - c->told_ns < MAX(COAST_NS, pause_ns(c));
+}
+
 /* Without new seals the last one goes on for a second, by its clock, and says
  * so; then it stands. */
 static void coast(struct pel_cluster *c, int64_t now_ns)
 {
     int64_t late_ns = now_ns - c->sealed_ns;
-    int64_t period_ns = (int64_t)(1e9 / c->options.rate_hz);
-    if (c->role == PELAGOS__CLUSTER_ROLE__JOINING ||
-        late_ns < MAX(COAST_AFTER_NS, 3 * period_ns) || late_ns > COAST_NS) {
+    if (c->role == PELAGOS__CLUSTER_ROLE__JOINING || late_ns < pause_ns(c) ||
+        late_ns > COAST_NS) {
         return;
     }
     bool goes = c->snapshot->mode == PEL_CLOCK_FREE;
@@ -160,20 +184,23 @@ static void on_tick(void *user)
 static gboolean on_patience(gpointer user)
 {
     PEL_WATCH("cluster");
-    pel_cluster_be_patient(user);
+    struct pel_cluster *c = user;
+    pel_cluster_be_patient(c);
+    pel_cluster_place_on(c);
     return G_SOURCE_CONTINUE;
 }
 
-static gboolean on_second(gpointer user)
+static gboolean on_beat(gpointer user)
 {
     PEL_WATCH("cluster");
-    pel_cluster_say(user);
+    struct pel_cluster *c = user;
+    pel_cluster_say(c, ++c->quarters % (1000 / BEAT_MS) == 0);
     return G_SOURCE_CONTINUE;
 }
 
 /* --- life ----------------------------------------------------------------- */
 
-static bool is_name(const char *name)
+bool pel_cluster_is_name(const char *name)
 {
     return *name && strlen(name) <= 64 &&
            strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -196,6 +223,8 @@ enum pel_err pel_cluster_create(const struct pel_cluster_options *options,
     c->frames = frames;
     c->entries = pel_cluster_entries();
     c->nodes = g_ptr_array_new();
+    c->warmed = g_hash_table_new_full(g_str_hash, g_str_equal, g_free, NULL);
+    c->told_ns = pel_now_ns();
     c->quickest_ms = c->quickest_next_ms = INFINITY;
     const struct pel_seals_options seals = {
         .url = options->url,
@@ -203,10 +232,11 @@ enum pel_err pel_cluster_create(const struct pel_cluster_options *options,
         .key = options->key,
         .ca = options->ca,
         .events = { pel_cluster_on_frame, pel_cluster_on_master,
-                    pel_cluster_on_node, pel_cluster_on_lost, c },
+                    pel_cluster_on_node, pel_cluster_on_places,
+                    pel_cluster_on_lost, c },
     };
     enum pel_err err =
-        is_name(c->name)
+        pel_cluster_is_name(c->name)
             ? pel_seals_create(&seals, &c->seals, fault)
             : pel_fault_set(fault, PEL_ERR_INVALID,
                             "--exercise-node: '%.70s' is not 1 to 64 of " NAMED,
@@ -223,7 +253,7 @@ enum pel_err pel_cluster_create(const struct pel_cluster_options *options,
     c->next_tick_ns = c->sealed_ns = pel_now_ns();
     g_source_set_ready_time(c->tick, c->next_tick_ns / 1000);
     c->patience = g_timeout_add(PATIENCE_MS, on_patience, c);
-    c->second = g_timeout_add_seconds(1, on_second, c);
+    c->beats = g_timeout_add(BEAT_MS, on_beat, c);
     pel_info("CLU-002", "node %s looks for the exercise at %s", c->name,
              options->url);
     pel_cluster_draw_canary(c);
@@ -236,7 +266,7 @@ void pel_cluster_destroy(struct pel_cluster *c)
     if (!c) {
         return;
     }
-    guint timers[] = { c->patience, c->second, c->retry, c->settled };
+    guint timers[] = { c->patience, c->beats, c->retry, c->settled };
     for (size_t i = 0; i < G_N_ELEMENTS(timers); i++) {
         if (timers[i]) {
             g_source_remove(timers[i]);
@@ -250,7 +280,9 @@ void pel_cluster_destroy(struct pel_cluster *c)
         g_source_unref(c->tick);
         pel_scene_listen(c->scene, NULL, NULL);
     }
+    pel_cluster_warm_free(c);
     pel_seals_destroy(c->seals);
+    pel_cluster_places_free(c);
     pel_cluster_drop_pending(c);
     g_ptr_array_free(c->entries, TRUE);
     pel_cluster_nodes_free(c);

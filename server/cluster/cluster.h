@@ -23,6 +23,7 @@ struct pel_cluster_options {
     const char *name;            /* of this node; NULL: the machine's */
     const char *address;         /* where clients reach it */
     int rank;                    /* the lowest takes over first; -1: never */
+    bool spare;                  /* takes views of nodes that are gone */
     double rate_hz;              /* of frames, 1 to 240 */
     const char *program;         /* "pelagosd 0.2.0" */
     int wave_count;
@@ -51,6 +52,24 @@ void pel_cluster_set_rate(struct pel_cluster *cluster, double rate_hz);
 /* Who is there, as seen from here; NULL: of a daemon by itself.
  * pelagos__cluster__free_unpacked. */
 Pelagos__Cluster *pel_cluster_status(struct pel_cluster *cluster);
+
+/* Places a view at a node, or without one no more, whichever node this is: the
+ * store has it when `done` is called, exactly once. Refusals that are known at
+ * once are returned instead: CONFLICT: no exercise, or this node joins it;
+ * NOT_FOUND: the view; INVALID: the node's name. `done`: NOT_FOUND: it was not
+ * placed; BUSY: too many are, or the store does not answer. */
+typedef void (*pel_cluster_done)(void *user, enum pel_err err,
+                                 const struct pel_fault *fault);
+PEL_CHECK enum pel_err
+pel_cluster_place(struct pel_cluster *cluster,
+                  const Pelagos__ClusterPlaceCommand *command,
+                  pel_cluster_done done, void *user, struct pel_fault *fault);
+
+/* Who draws a view; *here: this node may be asked for it: it draws it now, or
+ * nobody in particular does. Of a daemon by itself (NULL) always; never while
+ * this node is not up to date. pelagos__cluster_place__free_unpacked. */
+Pelagos__ClusterPlace *pel_cluster_placed(struct pel_cluster *cluster,
+                                          const char *view, bool *here);
 
 /* Metrics `pelagos_cluster_...`; user: the cluster. */
 void pel_cluster_collect(void *user, struct pel_metrics_page *page);

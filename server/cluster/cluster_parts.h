@@ -12,6 +12,10 @@
 struct pel_cluster_node {
     Pelagos__ClusterNode *said; /* the last */
     int64_t heard_ns;           /* when that was another */
+    /* The same by pel_cluster.listened_ns; while it shows the exercise. */
+    bool spoke;
+    int64_t spoke_ns;
+    int64_t began_ns; /* since then without a pause */
 };
 
 /* A state as a seal's digest is of it. */
@@ -38,7 +42,7 @@ struct pel_cluster {
     uint64_t term;  /* with which we ask to take over */
     uint64_t goal;  /* frames that there are, of one who joins */
     guint patience; /* timer */
-    guint second;   /* timer */
+    guint beats;    /* timer */
     guint retry;    /* timer; 0: none */
     int64_t joined_ns;
 
@@ -78,9 +82,26 @@ struct pel_cluster {
     bool unlike;      /* our --quality is another than the seals', said */
     bool full;        /* there is no room for another, and that was said */
     uint64_t unlisted;
-    uint64_t beat;
+    uint64_t beat, quarters, seconds;
     double quickest_ms; /* from a seal to our knowing of it, lately */
     double quickest_next_ms;
+
+    /* How long the store has told us things: pauses of it count little, so
+     * that nobody is taken for gone because the store, or we, stood. */
+    int64_t told_ns; /* when it did last */
+    int64_t listened_ns;
+    int64_t since_ns; /* of that, when we began to join */
+
+    struct {
+        Pelagos__ClusterPlaces *known; /* NULL: not yet */
+        uint64_t version, revision;    /* of the store */
+        GQueue edits;                  /* struct edit of placing.c */
+        bool putting;                  /* the first of them, or who draws */
+        int64_t put_ns;
+        uint64_t moves;
+    } placing;
+    GHashTable *warmed; /* names of views */
+    uint64_t warm_id;   /* of the request; 0: none */
 
     float sealed_ms[PEL_SEAL_WINDOW];
     uint64_t sealed, gaps, differences, takeovers, stepped_down, joins, coasted;
@@ -88,6 +109,11 @@ struct pel_cluster {
 };
 
 /* cluster.c */
+bool pel_cluster_is_name(const char *name);
+/* The store tells something. */
+void pel_cluster_hear(struct pel_cluster *c);
+/* This node takes part, and the store has told something lately. */
+bool pel_cluster_is_current(const struct pel_cluster *c);
 int64_t pel_cluster_unix_ns(const struct pel_cluster *c);
 void pel_cluster_digest(const Pelagos__State *state,
                         uint8_t out[PEL_DIGEST_SIZE]);
@@ -148,7 +174,18 @@ Pelagos__ClusterHead *pel_cluster_head(struct pel_cluster *c, uint64_t number,
 
 /* nodes.c */
 void pel_cluster_on_node(void *user, const Pelagos__ClusterNode *node);
-void pel_cluster_say(struct pel_cluster *c);
+/* Once a second whole; else only where views are placed, that it is there. */
+void pel_cluster_say(struct pel_cluster *c, bool whole);
+struct pel_cluster_node *pel_cluster_find(const struct pel_cluster *c,
+                                          const char *name);
+/* Whether a node shows the exercise; one that has not been heard of yet does,
+ * for some time. */
+bool pel_cluster_is_there(const struct pel_cluster *c,
+                          const struct pel_cluster_node *node);
+bool pel_cluster_is_steady(const struct pel_cluster *c,
+                           const struct pel_cluster_node *node);
+/* The master of before: if it does not say something at once it is gone. */
+void pel_cluster_suspect(struct pel_cluster *c, const char *name);
 void pel_cluster_heard(struct pel_cluster *c, const Pelagos__Seal *seal);
 /* The longest that a node takes from a seal to its pictures [ns]. */
 int64_t pel_cluster_slowest_ns(const struct pel_cluster *c);
@@ -158,3 +195,19 @@ double pel_cluster_quality(const struct pel_cluster *c);
 /* How many nodes take over before this one. */
 unsigned pel_cluster_order(const struct pel_cluster *c);
 void pel_cluster_nodes_free(struct pel_cluster *c);
+
+/* placing.c */
+void pel_cluster_on_places(void *user, const struct pel_seals_places *what);
+/* Goes on with what is to be put. */
+void pel_cluster_place_on(struct pel_cluster *c);
+/* How many views are placed; how many of them others draw. */
+size_t pel_cluster_place_count(const struct pel_cluster *c, size_t *elsewhere);
+/* A copy for people, with what the store does not have. */
+Pelagos__ClusterPlace *pel_cluster_place_copy(const struct pel_cluster *c,
+                                              const Pelagos__ClusterPlace *p);
+void pel_cluster_places_free(struct pel_cluster *c);
+
+/* warm.c: draws a small picture of each view that this node has, or would take,
+ * once, so that its programs are there before a client is. */
+void pel_cluster_warm(struct pel_cluster *c);
+void pel_cluster_warm_free(struct pel_cluster *c);

@@ -39,6 +39,7 @@ static void caught_up(struct pel_cluster *c)
     pel_info("CLU-003", "node %s follows node %s, from frame %llu on", c->name,
              c->master->name, (unsigned long long)c->number);
     pel_cluster_show(c, false, 0);
+    pel_cluster_say(c, false);
 }
 
 static void founded(void *user, bool yes, uint64_t revision,
@@ -149,6 +150,7 @@ void pel_cluster_join(struct pel_cluster *c)
 {
     c->role = PELAGOS__CLUSTER_ROLE__JOINING;
     c->following = false;
+    c->since_ns = c->listened_ns;
     pel_cluster_lead(c);
     if (c->joined_ns && pel_now_ns() - c->joined_ns < RETRY_MS * 1000000LL) {
         join_later(c); /* what fails at once is not tried in a circle */
@@ -253,6 +255,7 @@ void pel_cluster_on_frame(void *user, uint64_t number,
 {
     PEL_WATCH("cluster");
     struct pel_cluster *c = user;
+    pel_cluster_hear(c);
     if (c->role == PELAGOS__CLUSTER_ROLE__MASTER) {
         const Pelagos__Seal *seal = frame->seal;
         bool ours = seal && g_strcmp0(seal->master, c->name) == 0 &&
@@ -274,6 +277,7 @@ void pel_cluster_on_frame(void *user, uint64_t number,
 void pel_cluster_on_master(void *user, const Pelagos__ClusterMaster *master)
 {
     struct pel_cluster *c = user;
+    pel_cluster_hear(c);
     if (c->master && master->term < c->master->term) {
         return; /* of the past */
     }

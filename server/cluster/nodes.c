@@ -15,6 +15,12 @@
 #define WINDOW_BEATS 10 /* the quickest seal is of so many seconds */
 #define CLOCK_MS 1.0    /* by which clocks may differ */
 #define SURE_BEATS 3    /* before that it may be a busy start */
+#define EVERY_MS 250
+/* By listened_ns: who misses so many beats is gone; the master of before, which
+ * has sealed nothing for a while, sooner. One that is back is steady later. */
+#define MISSED_BEATS 6
+#define SUSPECT_NS 400000000LL
+#define STEADY_NS 5000000000LL
 /* What pel_frames_stats.present_delay_ms has for delivery. */
 #define DELIVERY_MS 40.0
 
@@ -23,8 +29,8 @@ static bool is_silent(const struct pel_cluster_node *node, int64_t now_ns)
     return now_ns - node->heard_ns > SILENT_NS;
 }
 
-static struct pel_cluster_node *find(const struct pel_cluster *c,
-                                     const char *name)
+struct pel_cluster_node *pel_cluster_find(const struct pel_cluster *c,
+                                          const char *name)
 {
     for (guint i = 0; i < c->nodes->len; i++) {
         struct pel_cluster_node *node = g_ptr_array_index(c->nodes, i);
@@ -88,13 +94,56 @@ static bool has_room(struct pel_cluster *c, const char *name)
     return false;
 }
 
+/* --- who is there --------------------------------------------------------- */
+
+/* How long it may say nothing. */
+static int64_t limit_ns(const struct pel_cluster_node *node)
+{
+    uint32_t every_ms = node->said->every;
+    return every_ms > 0 ? MISSED_BEATS * 1000000LL * CLAMP(every_ms, 50, 1000)
+                        : SILENT_NS;
+}
+
+bool pel_cluster_is_there(const struct pel_cluster *c,
+                          const struct pel_cluster_node *node)
+{
+    return node->spoke ? c->listened_ns - node->spoke_ns <= limit_ns(node)
+                       : c->listened_ns - c->since_ns <= SILENT_NS;
+}
+
+bool pel_cluster_is_steady(const struct pel_cluster *c,
+                           const struct pel_cluster_node *node)
+{
+    return pel_cluster_is_there(c, node) &&
+           (!node->spoke || c->listened_ns - node->began_ns >= STEADY_NS);
+}
+
+void pel_cluster_suspect(struct pel_cluster *c, const char *name)
+{
+    struct pel_cluster_node *node = pel_cluster_find(c, name);
+    if (node && node->spoke) {
+        node->spoke_ns =
+            MIN(node->spoke_ns, c->listened_ns - limit_ns(node) + SUSPECT_NS);
+    }
+}
+
+static void spoke(struct pel_cluster *c, struct pel_cluster_node *node)
+{
+    if (!node->spoke || !pel_cluster_is_there(c, node)) {
+        node->began_ns = c->listened_ns;
+    }
+    node->spoke = true;
+    node->spoke_ns = c->listened_ns;
+}
+
 void pel_cluster_on_node(void *user, const Pelagos__ClusterNode *said)
 {
     struct pel_cluster *c = user;
+    pel_cluster_hear(c);
     if (!said->name) {
         return;
     }
-    struct pel_cluster_node *node = find(c, said->name);
+    struct pel_cluster_node *node = pel_cluster_find(c, said->name);
     if (!node) {
         if (!has_room(c, said->name)) {
             return;
@@ -106,6 +155,10 @@ void pel_cluster_on_node(void *user, const Pelagos__ClusterNode *said)
     } else {
         if (node->said->beat != said->beat) {
             node->heard_ns = pel_now_ns();
+        }
+        if (node->said->beat != said->beat &&
+            said->role != PELAGOS__CLUSTER_ROLE__JOINING) {
+            spoke(c, node);
         }
         pelagos__cluster_node__free_unpacked(node->said, NULL);
     }
@@ -126,7 +179,7 @@ void pel_cluster_heard(struct pel_cluster *c, const Pelagos__Seal *seal)
 static bool clock_offset(const struct pel_cluster *c, double *ms)
 {
     const struct pel_cluster_node *master =
-        c->master ? find(c, c->master->name) : NULL;
+        c->master ? pel_cluster_find(c, c->master->name) : NULL;
     if (!master || !master->said->has_quickest ||
         master->said->role != PELAGOS__CLUSTER_ROLE__MASTER ||
         !isfinite(c->quickest_ms)) {
@@ -245,25 +298,37 @@ static void fill(struct pel_cluster *c, const char *views[PEL_MAX_VIEWS],
     n->lacks = c->options.exercises
                    ? (char *)pel_exercises_stand_by(c->options.exercises)
                    : NULL;
+    n->has_spare = c->options.spare;
+    n->spare = c->options.spare;
+    n->has_every = pel_cluster_place_count(c, NULL) > 0;
+    n->every = n->has_every ? EVERY_MS : 0;
 }
 
-void pel_cluster_say(struct pel_cluster *c)
+void pel_cluster_say(struct pel_cluster *c, bool whole)
 {
     static struct pel_log_limit limit;
     Pelagos__ClusterNode me;
     const char *views[PEL_MAX_VIEWS];
     int64_t now_ns = pel_now_ns();
+    if (!whole && pel_cluster_place_count(c, NULL) == 0) {
+        return;
+    }
     c->beat++;
     fill(c, views, &me);
-    if (me.has_clock && fabs(me.clock) > CLOCK_MS && c->beat > SURE_BEATS) {
+    pel_seals_node(c->seals, &me, !whole);
+    if (!whole) {
+        return;
+    }
+    c->seconds++;
+    if (me.has_clock && fabs(me.clock) > CLOCK_MS && c->seconds > SURE_BEATS) {
         pel_log_limited(&limit, PEL_LOG_WARNING, "CLU-014",
                         "the clock of node %s differs by %.1f ms from the "
                         "master's, and its pictures are shown by that much "
                         "earlier or later; see to chrony or ptp4l",
                         c->name, me.clock);
     }
-    pel_seals_node(c->seals, &me);
-    if (c->beat % WINDOW_BEATS == 0) {
+    pel_cluster_warm(c);
+    if (c->seconds % WINDOW_BEATS == 0) {
         c->quickest_ms = c->quickest_next_ms;
         c->quickest_next_ms = INFINITY;
     }
@@ -307,6 +372,7 @@ Pelagos__Cluster *pel_cluster_status(struct pel_cluster *c)
     if (!c) {
         return out;
     }
+    size_t placed = pel_cluster_place_count(c, NULL);
     out->name = strdup(c->name);
     out->has_role = out->has_frame = true;
     out->role = c->role;
@@ -325,8 +391,14 @@ Pelagos__Cluster *pel_cluster_status(struct pel_cluster *c)
         Pelagos__ClusterNode *n =
             (Pelagos__ClusterNode *)pel_message_copy(&node->said->base);
         n->has_silent = true;
-        n->silent = is_silent(node, now_ns);
+        n->silent = is_silent(node, now_ns) ||
+                    (placed > 0 && !pel_cluster_is_there(c, node));
         out->nodes[out->n_nodes++] = n;
+    }
+    out->places = calloc(placed + 1, sizeof *out->places);
+    for (; out->n_places < placed; out->n_places++) {
+        out->places[out->n_places] =
+            pel_cluster_place_copy(c, c->placing.known->places[out->n_places]);
     }
     return out;
 }
@@ -339,6 +411,8 @@ void pel_cluster_collect(void *user, struct pel_metrics_page *page)
     pel_seals_count(c->seals, &attempts, &failures);
     (void)seal_times(c, &median, &p99);
     (void)clock_offset(c, &offset);
+    size_t elsewhere = 0;
+    size_t placed = pel_cluster_place_count(c, &elsewhere);
     const struct {
         const char *name, *help;
         enum pel_metric_type type;
@@ -381,6 +455,14 @@ void pel_cluster_collect(void *user, struct pel_metrics_page *page)
         { "pelagos_cluster_coasted_total",
           "Pictures of moments that no frame was sealed for.",
           PEL_METRIC_COUNTER, (double)c->coasted },
+        { "pelagos_cluster_places", "Views that are placed at a node.",
+          PEL_METRIC_GAUGE, (double)placed },
+        { "pelagos_cluster_places_elsewhere",
+          "Of those, views that another node draws now.", PEL_METRIC_GAUGE,
+          (double)elsewhere },
+        { "pelagos_cluster_place_moves_total",
+          "Times a placed view was drawn by another node than before.",
+          PEL_METRIC_COUNTER, (double)c->placing.moves },
         { "pelagos_cluster_store_attempts_total", "Requests to the store.",
           PEL_METRIC_COUNTER, (double)attempts },
         { "pelagos_cluster_store_failures_total",

@@ -1,7 +1,7 @@
 /* Where sealed frames go and where they come from: what an exercise of several
  * nodes needs of a store, and no more. This one is etcd's (etcd.h), in keys
- * below the exercise's: `log`, `master`, `head`, `nodes/NAME`. Control thread;
- * nothing waits. */
+ * below the exercise's: `log`, `master`, `head`, `nodes/NAME`, `place`. Control
+ * thread; nothing waits. */
 #pragma once
 
 #include <stdbool.h>
@@ -22,6 +22,14 @@ struct pel_seals_view {
     const Pelagos__SealedFrame *last; /* it; NULL: none */
 };
 
+/* Where views are placed. Borrowed for a call. */
+struct pel_seals_places {
+    const Pelagos__ClusterPlaces *places; /* NULL: none, or none that a daemon
+                                           * has put */
+    uint64_t version;  /* how often it was put; 0: it is not there */
+    uint64_t revision; /* of the store, when that was so */
+};
+
 /* What the store tells by itself. */
 struct pel_seals_events {
     /* Frame `number` was sealed; each in order, but some may be missing. */
@@ -29,6 +37,7 @@ struct pel_seals_events {
                   const Pelagos__SealedFrame *frame, uint64_t revision);
     void (*master)(void *user, const Pelagos__ClusterMaster *master);
     void (*node)(void *user, const Pelagos__ClusterNode *node);
+    void (*places)(void *user, const struct pel_seals_places *what);
     /* It does not keep the frames that are asked for any more. */
     void (*lost)(void *user);
     void *user;
@@ -54,7 +63,7 @@ typedef void (*pel_seals_done)(void *user, bool yes, uint64_t revision,
 /* Each of these takes the place of those before that are not answered yet:
  * their `done` is not called. */
 
-/* What there is: yes always. Then the nodes are told. */
+/* What there is: yes always. Before it the places are told, then the nodes. */
 void pel_seals_look(struct pel_seals *seals, pel_seals_done done, void *user);
 
 /* Begins an exercise that is not there. */
@@ -92,8 +101,21 @@ void pel_seals_head(struct pel_seals *seals,
                     const Pelagos__ClusterMaster *master,
                     const Pelagos__ClusterHead *head);
 
-/* What a node says of itself. */
-void pel_seals_node(struct pel_seals *seals, const Pelagos__ClusterNode *node);
+/* What a node says of itself. if_idle: unless the one before is under way. */
+void pel_seals_node(struct pel_seals *seals, const Pelagos__ClusterNode *node,
+                    bool if_idle);
+
+/* Puts where views are placed, if that is of `version` still, and `master`
+ * (NULL: whoever) is. One at a time, beside what is asked above; it is called
+ * off by pel_seals_places_drop. `done`: yes, it was put; and what the store has
+ * now. */
+typedef void (*pel_seals_placed)(void *user, bool yes,
+                                 const struct pel_seals_places *now);
+void pel_seals_places(struct pel_seals *seals,
+                      const Pelagos__ClusterMaster *master, uint64_t version,
+                      const Pelagos__ClusterPlaces *places,
+                      pel_seals_placed done, void *user);
+void pel_seals_places_drop(struct pel_seals *seals);
 
 /* Attempts to reach the store, and those that failed. */
 void pel_seals_count(const struct pel_seals *seals, uint64_t *attempts,

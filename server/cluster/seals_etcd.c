@@ -4,12 +4,13 @@
 #include <string.h>
 
 #include "cluster/etcd.h"
+#include "message.h"
 
 struct pel_seals {
     struct pel_etcd *etcd;
     struct pel_seals_events events;
     char *root; /* `bridge/` */
-    char *log, *master, *head, *nodes;
+    char *log, *master, *head, *nodes, *place;
     struct {
         struct pel_etcd_request *request; /* NULL: none */
         pel_seals_done done;
@@ -19,8 +20,16 @@ struct pel_seals {
         GBytes *as; /* whoever it makes master; NULL: nobody */
         uint64_t number;
         bool always;
+        bool look;
     } asked;
     struct pel_etcd_request *head_request, *node_request;
+    struct {
+        struct pel_etcd_request *request; /* NULL: none */
+        pel_seals_placed done;
+        void *user;
+        Pelagos__ClusterPlaces *places;
+        uint64_t version; /* when it is put */
+    } placing;
 };
 
 static GBytes *pack(const ProtobufCMessage *message)
@@ -56,6 +65,17 @@ static Pelagos__ClusterMaster *unpack_master(const struct pel_etcd_kv *kv)
         master = NULL;
     }
     return master;
+}
+
+/* places: to be released. */
+static struct pel_seals_places places_of(const struct pel_etcd_kv *kv,
+                                         uint64_t revision)
+{
+    return (struct pel_seals_places){
+        .places = unpack(&pelagos__cluster_places__descriptor, kv),
+        .version = kv ? kv->version : 0,
+        .revision = kv ? kv->mod_revision : revision,
+    };
 }
 
 static void put(struct pel_etcd_txn *txn, const char *key, GBytes *value)
@@ -132,7 +152,14 @@ static void answered(void *user, const struct pel_etcd_answer *answer)
     }
     pel_seals_done done = seals->asked.done;
     void *to = seals->asked.user;
+    bool look = seals->asked.look;
     forget(seals);
+    if (look) {
+        struct pel_seals_places places =
+            places_of(pel_etcd_find(answer, seals->place), answer->revision);
+        seals->events.places(seals->events.user, &places);
+        release((void *)places.places);
+    }
     if (done) {
         done(to, yes, revision, &view);
     }
@@ -167,7 +194,9 @@ void pel_seals_look(struct pel_seals *seals, pel_seals_done done, void *user)
     pel_etcd_get(&txn, true, seals->log, false);
     pel_etcd_get(&txn, true, seals->master, false);
     pel_etcd_get(&txn, true, seals->head, false);
+    pel_etcd_get(&txn, true, seals->place, false);
     pel_etcd_get(&txn, true, seals->nodes, true);
+    seals->asked.look = true;
     ask(seals, &txn, done, user);
 }
 
@@ -253,9 +282,13 @@ static void node_put(void *user, const struct pel_etcd_answer *answer)
     seals->node_request = NULL;
 }
 
-void pel_seals_node(struct pel_seals *seals, const Pelagos__ClusterNode *node)
+void pel_seals_node(struct pel_seals *seals, const Pelagos__ClusterNode *node,
+                    bool if_idle)
 {
     struct pel_etcd_txn txn;
+    if (seals->node_request && if_idle) {
+        return;
+    }
     g_autoptr(GBytes) value = pack(&node->base);
     g_autofree char *key = g_strconcat(seals->nodes, node->name, NULL);
     if (seals->node_request) {
@@ -266,6 +299,61 @@ void pel_seals_node(struct pel_seals *seals, const Pelagos__ClusterNode *node)
     seals->node_request = pel_etcd_send(seals->etcd, &txn, node_put, seals);
 }
 
+/* --- places --------------------------------------------------------------- */
+
+void pel_seals_places_drop(struct pel_seals *seals)
+{
+    if (seals->placing.request) {
+        pel_etcd_drop(seals->placing.request);
+    }
+    release(seals->placing.places);
+    memset(&seals->placing, 0, sizeof seals->placing);
+}
+
+static void places_put(void *user, const struct pel_etcd_answer *answer)
+{
+    struct pel_seals *seals = user;
+    const struct pel_etcd_kv *kv = pel_etcd_find(answer, seals->place);
+    Pelagos__ClusterPlaces *ours = seals->placing.places;
+    struct pel_seals_places now = { ours, seals->placing.version,
+                                    answer->revision };
+    if (!answer->succeeded) {
+        now = places_of(kv, answer->revision);
+    }
+    pel_seals_placed done = seals->placing.done;
+    void *to = seals->placing.user;
+    memset(&seals->placing, 0, sizeof seals->placing);
+    done(to, answer->succeeded, &now);
+    if (!answer->succeeded) {
+        release((void *)now.places);
+    }
+    release(ours);
+}
+
+void pel_seals_places(struct pel_seals *seals,
+                      const Pelagos__ClusterMaster *master, uint64_t version,
+                      const Pelagos__ClusterPlaces *places,
+                      pel_seals_placed done, void *user)
+{
+    struct pel_etcd_txn txn;
+    g_autoptr(GBytes) value = pack(&places->base);
+    pel_seals_places_drop(seals);
+    seals->placing.places =
+        (Pelagos__ClusterPlaces *)pel_message_copy(&places->base);
+    seals->placing.version = version + 1;
+    seals->placing.done = done;
+    seals->placing.user = user;
+    pel_etcd_txn_init(&txn);
+    pel_etcd_if_version(&txn, seals->place, version);
+    if (master) {
+        if_master(seals, &txn, master);
+    }
+    put(&txn, seals->place, value);
+    pel_etcd_get(&txn, false, seals->place, false);
+    seals->placing.request =
+        pel_etcd_send(seals->etcd, &txn, places_put, seals);
+}
+
 /* --- what comes ----------------------------------------------------------- */
 
 static void on_event(void *user, const struct pel_etcd_kv *kv)
@@ -273,10 +361,13 @@ static void on_event(void *user, const struct pel_etcd_kv *kv)
     struct pel_seals *seals = user;
     const struct pel_seals_events *to = &seals->events;
     void *message = NULL;
-    if (kv->version == 0) {
+    if (strcmp(kv->key, seals->place) == 0) {
+        struct pel_seals_places places = places_of(kv, kv->mod_revision);
+        to->places(to->user, &places);
+        release((void *)places.places);
+    } else if (kv->version == 0) {
         return; /* somebody has deleted it */
-    }
-    if (strcmp(kv->key, seals->log) == 0) {
+    } else if (strcmp(kv->key, seals->log) == 0) {
         message = unpack(&pelagos__sealed_frame__descriptor, kv);
         if (message) {
             to->frame(to->user, kv->version, message, kv->mod_revision);
@@ -341,6 +432,7 @@ enum pel_err pel_seals_create(const struct pel_seals_options *options,
     seals->master = g_strconcat(seals->root, "master", NULL);
     seals->head = g_strconcat(seals->root, "head", NULL);
     seals->nodes = g_strconcat(seals->root, "nodes/", NULL);
+    seals->place = g_strconcat(seals->root, "place", NULL);
     enum pel_err err = pel_etcd_create(&etcd, &seals->etcd, fault);
     if (err) {
         pel_seals_destroy(seals);
@@ -356,12 +448,15 @@ void pel_seals_destroy(struct pel_seals *seals)
         return;
     }
     pel_etcd_destroy(seals->etcd);
+    seals->placing.request = NULL;
+    pel_seals_places_drop(seals);
     forget(seals);
     g_free(seals->root);
     g_free(seals->log);
     g_free(seals->master);
     g_free(seals->head);
     g_free(seals->nodes);
+    g_free(seals->place);
     g_free(seals);
 }
 

@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 
 #include "base/clock.h"
+#include "cluster/cluster.h"
 #include "json.h"
 #include "net/command.h"
 #include "scene/almanac.h"
@@ -317,6 +318,31 @@ enum MHD_Result pel_http_send_almanac(struct client *client,
     enum pel_err err =
         pel_scene_ask_almanac(client->server->context.scene, answer->almanac,
                               on_almanac, waiter, &fault);
+    pel_http_answer_finish(answer);
+    return wait_on(client, waiter, err, &fault);
+}
+
+static void on_place(void *user, enum pel_err err,
+                     const struct pel_fault *fault)
+{
+    struct client *client = ((struct waiter *)user)->client;
+    Pelagos__Cluster *cluster =
+        err || !client ? NULL
+                       : pel_cluster_status(client->server->context.cluster);
+    wait_answer(user, err, fault, cluster ? &cluster->base : NULL);
+    if (cluster) {
+        pelagos__cluster__free_unpacked(cluster, NULL);
+    }
+}
+
+enum MHD_Result pel_http_send_place(struct client *client,
+                                    struct pel_http_answer *answer)
+{
+    struct pel_fault fault = { .minimum = 1 };
+    struct waiter *waiter = pel_http_wait_begin(client);
+    enum pel_err err =
+        pel_cluster_place(client->server->context.cluster, answer->place,
+                          on_place, waiter, &fault);
     pel_http_answer_finish(answer);
     return wait_on(client, waiter, err, &fault);
 }

@@ -153,6 +153,8 @@ enum MHD_Result pel_http_send_spectrum(struct client *client,
                                        struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_almanac(struct client *client,
                                       struct pel_http_answer *answer);
+enum MHD_Result pel_http_send_place(struct client *client,
+                                    struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_series(struct client *client,
                                      struct pel_http_answer *answer);
 /* Files of a spectrum as a POSIX tar; g_free(). http_tar.c */

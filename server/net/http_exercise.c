@@ -1,4 +1,4 @@
-/* /v1/exercise and /v1/exercises. */
+/* /v1/exercise and /v1/exercises, /v1/cluster. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,6 +9,7 @@
 #include "cluster/cluster.h"
 #include "fault.h"
 #include "json.h"
+#include "message.h"
 #include "net/command.h"
 #include "net/http_view.h"
 #include "scene/exercise.h"
@@ -93,6 +94,63 @@ void pel_http_get_cluster(const struct pel_http_call *call)
     pel_http_json(call->answer, 200,
                   pel_json_from_message(&cluster->base, false));
     pelagos__cluster__free_unpacked(cluster, NULL);
+}
+
+/* The body says where, if there is one. */
+static void place(const struct pel_http_call *call, ProtobufCMessage *message)
+{
+    Pelagos__ClusterPlaceCommand *command =
+        (Pelagos__ClusterPlaceCommand *)message;
+    struct pel_fault fault;
+    const char *view = call->target->segments[3];
+    if (command->view && strcmp(command->view, view) != 0) {
+        pel_fault_value(&fault, PEL_ERR_INVALID, "view", command->view,
+                        "the URL names another view");
+        pel_http_refuse(call, 0, &fault);
+        protobuf_c_message_free_unpacked(message, NULL);
+        return;
+    }
+    free(command->view);
+    command->view = strdup(view);
+    call->answer->kind = PEL_HTTP_PLACE;
+    call->answer->place = command;
+}
+
+void pel_http_put_place(const struct pel_http_call *call)
+{
+    struct pel_fault fault;
+    ProtobufCMessage *message = NULL;
+    enum pel_err err = read_body(
+        call, &pelagos__cluster_place_command__descriptor, &message, &fault);
+    if (!err && !((Pelagos__ClusterPlaceCommand *)message)->node) {
+        protobuf_c_message_free_unpacked(message, NULL);
+        err = pel_fault_value(&fault, PEL_ERR_INVALID, "node", "",
+                              "a node is needed, as in {\"node\": \"a\"}");
+    }
+    if (err) {
+        pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
+    } else {
+        place(call, message);
+    }
+}
+
+void pel_http_delete_place(const struct pel_http_call *call)
+{
+    place(call, pel_message_new(&pelagos__cluster_place_command__descriptor));
+}
+
+void pel_http_get_placed(const struct pel_http_call *call)
+{
+    bool here = true;
+    const Pelagos__View *view = pel_http_need_view(call);
+    if (!view) {
+        return;
+    }
+    Pelagos__ClusterPlace *now =
+        pel_cluster_placed(call->context->cluster, view->name, &here);
+    pel_http_json(call->answer, here ? 200 : 503,
+                  pel_json_from_message(&now->base, false));
+    pelagos__cluster_place__free_unpacked(now, NULL);
 }
 
 void pel_http_get_exercises(const struct pel_http_call *call)

@@ -137,6 +137,10 @@ void pel_http_answer_finish(struct pel_http_answer *answer)
         pelagos__patch__free_unpacked(answer->patch, NULL);
         answer->patch = NULL;
     }
+    if (answer->place) {
+        pelagos__cluster_place_command__free_unpacked(answer->place, NULL);
+        answer->place = NULL;
+    }
     if (answer->spectrum) {
         pelagos__spectrum_query__free_unpacked(answer->spectrum, NULL);
         answer->spectrum = NULL;

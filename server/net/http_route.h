@@ -57,6 +57,7 @@ enum pel_http_kind {
     PEL_HTTP_PATCH,      /* commit `patch`, answer with the state */
     PEL_HTTP_STEP,       /* carry out `step`, answer with the state */
     PEL_HTTP_RECORDINGS, /* list the recordings, answer with JSON */
+    PEL_HTTP_PLACE,      /* carry out `place`, answer with the Cluster */
 };
 
 struct pel_http_answer {
@@ -82,6 +83,7 @@ struct pel_http_answer {
     Pelagos__AlmanacQuery *almanac;
     Pelagos__SeriesQuery *series;
     Pelagos__Patch *patch;
+    Pelagos__ClusterPlaceCommand *place;
     Pelagos__ClockStep step;
     bool if_unchanged; /* of PATCH: If-Match named the state of now */
     char view[PEL_NAME_SIZE];

@@ -192,6 +192,8 @@ static enum MHD_Result take_request(struct client *client, const char *method)
         return pel_http_send_models(client, &answer);
     case PEL_HTTP_RECORDINGS:
         return pel_http_send_recordings(client, &answer);
+    case PEL_HTTP_PLACE:
+        return pel_http_send_place(client, &answer);
     case PEL_HTTP_STEP:
         return pel_http_send_stepped(client, &answer);
     case PEL_HTTP_PATCH:

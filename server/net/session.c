@@ -47,6 +47,7 @@ static const char *const command_names[PEL_SESSION_COMMANDS] = {
     [PELAGOS__REQUEST__COMMAND_LOGIN] = "login",
     [PELAGOS__REQUEST__COMMAND_SERIES] = "series",
     [PELAGOS__REQUEST__COMMAND_CLUSTER] = "cluster",
+    [PELAGOS__REQUEST__COMMAND_PLACE] = "place",
 };
 
 static int64_t seconds(double s)
@@ -140,6 +141,8 @@ static enum pel_err apply(struct session *self, const Pelagos__Request *request,
     case PELAGOS__REQUEST__COMMAND_CLUSTER:
         pel_session_cluster(self, request);
         return PEL_OK;
+    case PELAGOS__REQUEST__COMMAND_PLACE:
+        return pel_session_place(self, request, fault);
     case PELAGOS__REQUEST__COMMAND_WATCH:
         self->watching = true;
         self->watch_has_id = request->has_id;

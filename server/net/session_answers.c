@@ -82,15 +82,20 @@ void pel_session_send_state(struct session *self, bool has_id, uint64_t id)
     send_reply(self, &reply);
 }
 
-void pel_session_cluster(struct session *self, const Pelagos__Request *request)
+static void send_cluster(struct session *self, bool has_id, uint64_t id)
 {
     Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-    reply.has_id = request->has_id;
-    reply.id = request->id;
+    reply.has_id = has_id;
+    reply.id = id;
     reply.result_case = PELAGOS__REPLY__RESULT_CLUSTER;
     reply.cluster = pel_cluster_status(self->all->cluster);
     send_reply(self, &reply);
     pelagos__cluster__free_unpacked(reply.cluster, NULL);
+}
+
+void pel_session_cluster(struct session *self, const Pelagos__Request *request)
+{
+    send_cluster(self, request->has_id, request->id);
 }
 
 /* Takes the job out of its session; false: the session is gone. */
@@ -317,6 +322,37 @@ void pel_session_step(struct session *self, const Pelagos__Request *request)
 {
     struct job *job = owe(self, request);
     pel_scene_submit_step(self->all->scene, request->step, on_edit, job);
+}
+
+static void on_place(void *user, enum pel_err err,
+                     const struct pel_fault *fault)
+{
+    struct job *job = user;
+    struct session *self = job->session;
+    if (job_end(job)) {
+        self->owes = false;
+        if (err == PEL_OK) {
+            send_cluster(self, job->has_id, job->id);
+        } else {
+            pel_session_send_fault(self, job->has_id, job->id, fault);
+        }
+    }
+    g_free(job);
+}
+
+enum pel_err pel_session_place(struct session *self,
+                               const Pelagos__Request *request,
+                               struct pel_fault *fault)
+{
+    struct job *job = owe(self, request);
+    enum pel_err err = pel_cluster_place(self->all->cluster, request->place,
+                                         on_place, job, fault);
+    if (err) {
+        self->owes = false;
+        g_ptr_array_remove_fast(self->jobs, job);
+        g_free(job);
+    }
+    return err;
 }
 
 /* --- exercises ------------------------------------------------------------ */

@@ -16,7 +16,7 @@
 #include "pelagos.pb-c.h"
 #include "unpack.h"
 
-#define PEL_SESSION_COMMANDS 23
+#define PEL_SESSION_COMMANDS 24
 
 struct session;
 
@@ -83,6 +83,10 @@ void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
 
 /* Answers with the nodes of the exercise. */
 void pel_session_cluster(struct session *self, const Pelagos__Request *request);
+/* Places a view, and answers the same when the store has it. */
+PEL_CHECK enum pel_err pel_session_place(struct session *self,
+                                         const Pelagos__Request *request,
+                                         struct pel_fault *fault);
 /* Does what is asked of exercises, and answers. */
 PEL_CHECK enum pel_err pel_session_exercise(struct session *self,
                                             const Pelagos__Request *request,

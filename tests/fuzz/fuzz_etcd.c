@@ -2,8 +2,8 @@
  * etcd's gateway, what is packed in it, what is made of that. The store itself
  * is this file's own: pel_etcd_send and pel_etcd_watch give the input. Lines;
  * the first byte of each says what it is: A answers what was asked, W is of the
- * watch, L drops what the watch has; K, M, N, H: a pair of the log, the master,
- * a node, the head, whose value follows in hex. */
+ * watch, L drops what the watch has; K, M, N, H, P: a pair of the log, the
+ * master, a node, the head, the places, whose value follows in hex. */
 #include <glib.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -128,6 +128,20 @@ static void on_node(void *user, const Pelagos__ClusterNode *node)
     look_at(&node->base);
 }
 
+static void on_places(void *user, const struct pel_seals_places *what)
+{
+    (void)user;
+    if (what->places) {
+        look_at(&what->places->base);
+    }
+}
+
+static void on_placed(void *user, bool yes, const struct pel_seals_places *now)
+{
+    (void)yes;
+    on_places(user, now);
+}
+
 static void on_lost(void *user)
 {
     (void)user;
@@ -156,9 +170,10 @@ static void ask(struct pel_seals *seals, unsigned what)
     Pelagos__ClusterHead head = PELAGOS__CLUSTER_HEAD__INIT;
     Pelagos__SealedFrame frame = PELAGOS__SEALED_FRAME__INIT;
     Pelagos__ClusterNode node = PELAGOS__CLUSTER_NODE__INIT;
+    Pelagos__ClusterPlaces places = PELAGOS__CLUSTER_PLACES__INIT;
     master.name = node.name = (char[]){ "one" };
     master.address = (char[]){ "10.0.0.1:1" };
-    switch (what % 7) {
+    switch (what % 8) {
     case 0:
         pel_seals_look(seals, on_done, NULL);
         break;
@@ -175,7 +190,11 @@ static void ask(struct pel_seals *seals, unsigned what)
         pel_seals_head(seals, &master, &head);
         break;
     case 5:
-        pel_seals_node(seals, &node);
+        pel_seals_node(seals, &node, what % 16 < 8);
+        break;
+    case 6:
+        pel_seals_places(seals, what % 16 < 8 ? &master : NULL, 1, &places,
+                         on_placed, NULL);
         break;
     default:
         pel_seals_ignore(seals);
@@ -235,8 +254,9 @@ static void take_pair(const char *key, const char *hex, size_t size,
 static void take(struct pel_seals *seals, const char *line, size_t size)
 {
     static const char *const keys[] = { "bridge/log", "bridge/master",
-                                        "bridge/nodes/two", "bridge/head" };
-    static const char letters[] = "KMNH";
+                                        "bridge/nodes/two", "bridge/head",
+                                        "bridge/place" };
+    static const char letters[] = "KMNHP";
     const char *pair = strchr(letters, *line);
     if (*line == 'A' || *line == 'W') {
         take_text(line + 1, size - 1, *line == 'A');
@@ -253,7 +273,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     const struct pel_seals_options options = {
         .url = "http://127.0.0.1:2379/bridge",
-        .events = { on_frame, on_master, on_node, on_lost, NULL },
+        .events = { on_frame, on_master, on_node, on_places, on_lost, NULL },
     };
     struct pel_seals *seals;
     char *text = g_strndup((const char *)data, size);
