@@ -669,7 +669,7 @@ viewers-check: deps ## HLS to READERS (500) by two edges and HAProxy, one of whi
 	$(Q)READERS=$(or $(READERS),500) PLAY_S=60 /usr/bin/python3 -B tests/viewers_test.py
 
 # Random walks (docs/machines.md).
-WALKS := $(addprefix $(O)/bin/,machines_test session_walk_test credit_walk_test)
+WALKS := $(addprefix $(O)/bin/,machines_test session_walk_test credit_walk_test places_test)
 .PHONY: soak
 soak: deps ## a million steps of each walk; load every input, then a CIGI host, for SOAK_SECONDS (600) each; 64 viewers
 	$(Q)$(MAKE) -s --no-print-directory all $(WALKS) $(O)/bin/pelagosd-starved
@@ -808,7 +808,7 @@ EXERCISES = $(wildcard clients/exercises/*.json)
 
 # What brings pictures to many viewers (proto/live.md).
 VIEWERS := packaging/nginx/edge.conf packaging/haproxy/haproxy.cfg \
-    packaging/relay/pelagos-relay
+    packaging/haproxy/placed.cfg     packaging/relay/pelagos-relay
 
 # What `install` puts where, for `uninstall`; then the folders that are ours.
 INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \

@@ -250,6 +250,9 @@ class OpenApi(unittest.TestCase):
         ("DELETE", "/v1/whep/none", None, 404),
         ("DELETE", "/v1/views/three", None, 204),
         ("DELETE", "/v1/views/three", None, 404),
+        ("PUT", "/v1/cluster/place/bridge", {"node": "a"}, 409),
+        ("PUT", "/v1/cluster/place/bridge", {"node": 3}, 400),
+        ("DELETE", "/v1/cluster/place/bridge", None, 409),
         ("POST", "/v1/surface", {"points": [[0, 5], {"east": 1, "north": 2}],
                                  "acceleration": True, "foam": True}, 200),
         ("POST", "/v1/surface", {"points": [[0, 1e9]]}, 400),
@@ -291,6 +294,7 @@ class OpenApi(unittest.TestCase):
                     "/v1/exercises/{exercise}" if "exercises" in url else
                     "/v1/presets/{preset}" if "presets" in url else
                     "/v1/views/{view}/whep" if url.endswith("/whep") else
+                    "/v1/cluster/place/{view}" if "/place/" in url else
                     "/v1/whep/{session}" if "/whep/" in url else
                     "/v1/views/{view}")
             operation = self.document["paths"][path][method.lower()]

@@ -86,6 +86,18 @@ describe("the machines of an exercise", () => {
     await clean("machines");
     await shot("machines-laptop");
 
+    // A view that is placed at the other.
+    assert.ok(await page.locator("#machines-places").isHidden());
+    await nodes.get("alpha").request("PUT", "/v1/cluster/place/bridge",
+      { node: "alpha" });
+    const places = async () => text("#machines-places");
+    await until("where it is drawn", async () =>
+      /^bridge\s*placed at alpha, and drawn there$/.test(await places()));
+    assert.match(await page.locator("#machines-places a").getAttribute("href"),
+      /^http:\/\/127\.0\.0\.1:\d+/);
+    await inside();
+    await shot("machines-placed");
+
     await nodes.get("alpha").stop("SIGKILL");
     nodes.delete("alpha");
     await until("it takes over", async () =>
@@ -94,6 +106,10 @@ describe("the machines of an exercise", () => {
       await row("alpha").locator(".phase").textContent() === "silent");
     await until("this is the master", async () =>
       await row("beta").locator(".phase").textContent() === "master, here");
+    await until("it is drawn here", async () =>
+      /placed at alpha, drawn by beta: alpha is not there$/.test(
+        await places()));
+    assert.equal(await page.locator("#machines-places a").count(), 0);
     await shot("machines-silent");
   });
 

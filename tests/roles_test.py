@@ -131,6 +131,7 @@ class Roles(unittest.TestCase):
         commands = {"get": {}, "patch": {"state": {"sea": {"wind_speed": 9}}},
                     "step": {"seconds": 1}, "surface": {}, "spectrum": {},
                     "models": {"name": "nobody"}, "exercise": {},
+                    "place": {"view": "bridge", "node": "a"},
                     "recording": {"stop": True}, "debrief": {"close": True}}
         least = {name: "watch" for name in
                  ("get", "surface", "spectrum", "models")}

@@ -14,6 +14,15 @@ function element(tag, className, text) {
   return node;
 }
 
+// What is elsewhere leads there.
+function link(text, address, here) {
+  const out = element(here || !address ? "strong" : "a", "", text);
+  if (out.tagName === "A") {
+    out.href = /^https?:/.test(address) ? address : `http://${address}`;
+  }
+  return out;
+}
+
 const ms = (value) => `${value.toFixed(value < 10 ? 1 : 0)} ms`;
 const many = (count, one, more) => `${count} ${Number(count) === 1 ? one : more}`;
 
@@ -48,6 +57,15 @@ export function faults(node) {
   return said.join("; ");
 }
 
+// Where a view is placed, and who draws it now if that is another.
+export function placed(place) {
+  const now = place.drawnBy ?? "";
+  const drawn = now === place.node ? "and drawn there"
+    : now ? `drawn by ${now}` : "drawn by nobody";
+  const gone = place.there ? "" : `: ${place.node} is not there`;
+  return `placed at ${place.node}, ${drawn}${gone}`;
+}
+
 // The newest frame that anybody shows.
 export function newest(cluster) {
   return Math.max(Number(cluster.frame ?? 0),
@@ -61,10 +79,12 @@ export class Machines {
     this.head = element("p", "fine");
     this.head.id = "machines-head";
     this.list = element("ul", "machines-list");
+    this.places = element("ul", "machines-list");
+    this.places.id = "machines-places";
     this.error = element("p", "error");
     this.error.setAttribute("role", "alert");
     this.error.hidden = true;
-    this.box.append(this.head, this.list, this.error);
+    this.box.append(this.head, this.list, this.places, this.error);
     this.rows = new Map();
     details.addEventListener("toggle", () => this.look());
     this.look();
@@ -109,19 +129,28 @@ export class Machines {
     for (const node of nodes) {
       this.showNode(node, last, node.name === cluster.name);
     }
+    this.places.replaceChildren(...(cluster.places ?? []).map((place) =>
+      this.rowOf(place, place.drawnBy === cluster.name)));
+    this.places.hidden = !this.places.children.length;
+  }
+
+  rowOf(place, here) {
+    const row = element("li", "machine");
+    const head = element("p", "machine-head");
+    head.append(link(place.view, place.address, here));
+    row.dataset.view = place.view;
+    row.classList.toggle("away", place.drawnBy !== place.node);
+    row.append(head, element("p", "fine", placed(place)));
+    return row;
   }
 
   showNode(node, last, here) {
     const row = this.rows.get(node.name) ?? element("li", "machine");
     this.rows.set(node.name, row);
     const head = element("p", "machine-head");
-    const name = here || !node.address ? element("strong", "", node.name)
-      : element("a", "", node.name);
-    if (name.tagName === "A") {
-      name.href = /^https?:/.test(node.address) ? node.address
-        : `http://${node.address}`;
-    }
-    const role = element("span", "phase", roleOf(node) + (here ? ", here" : ""));
+    const name = link(node.name, node.address, here);
+    const role = element("span", "phase", roleOf(node) +
+      (node.spare ? ", spare" : "") + (here ? ", here" : ""));
     head.append(name, role);
     const behind = last - Number(node.frame ?? 0);
     const figures = element("p", "fine", `frame ${node.frame ?? 0}${
