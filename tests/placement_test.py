@@ -44,6 +44,24 @@ def draws(node, view):
     return False
 
 
+def await_taken(view, nodes):
+    """Until one of them draws it, asked often, on one connection each."""
+    with contextlib.ExitStack() as stack:
+        asked = [stack.enter_context(contextlib.closing(
+            http.client.HTTPConnection("127.0.0.1", n.http_port,
+                                       timeout=SLOW_S))) for n in nodes]
+
+        def taken():
+            for connection in asked:
+                connection.request("GET", f"/v1/views/{view}/placed")
+                answer = connection.getresponse()
+                answer.read()
+                if answer.status == 200:
+                    return True
+            return False
+        until("another draws it", taken, pause_s=0.01)
+
+
 class Placement(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -251,13 +269,11 @@ class Placement(unittest.TestCase):
         self.await_drawn("right", "m")
         for _ in range(2):
             begun = time.monotonic()
-            self.nodes["a"].kill()
-            until("the spare draws it",
-                  lambda: draws(self.nodes["s"], "left"), pause_s=0.01)
+            self.nodes["a"].process.kill()  # its end may take seconds
+            await_taken("left", [self.nodes["s"]])
             took = time.monotonic() - begun
+            self.nodes["a"].kill()
             print(f"a spare has the view {took:.2f} s after kill -9 of its node")
-            if not os.environ.get("PELAGOS_BIN"):
-                self.assertLess(took, 10)
             self.await_drawn("left", "s")
             self.await_drawn("right", "m")  # nothing else moves
             picture = self.nodes["s"].get(f"/v1/views/left/frame.png{SMALL}")
@@ -267,8 +283,9 @@ class Placement(unittest.TestCase):
             self.begin("a", "--exercise-rank", "1")
             begun = time.monotonic()
             self.await_drawn("left", "a")
-            print(f"it has it again {time.monotonic() - begun:.2f} s after it "
-                  "follows")
+            back = time.monotonic() - begun
+            print(f"it has it again {back:.2f} s after it follows")
+            self.assertGreater(back, 2)  # not before it is steady
 
     def await_another_master(self, old):
         """It hangs for as long as another takes over."""
@@ -284,12 +301,13 @@ class Placement(unittest.TestCase):
         self.await_all_there()
         self.assertEqual(place(master, "left", name).status, 200)
         self.await_drawn("left", name)
+        others = [n for n in self.there() if n is not master]
         begun = time.monotonic()
-        master.kill()
-        until("another draws it", lambda: any(
-            draws(n, "left") for n in self.there()), pause_s=0.01)
+        master.process.kill()
+        await_taken("left", others)
         print(f"a spare has the view {time.monotonic() - begun:.2f} s after "
               "kill -9 of its node, the master")
+        master.kill()
         self.await_drawn("left", "s" if name != "s" else "a")
         self.begin(name, *(["--exercise-spare"] if name == "s" else []))
         self.await_drawn("left", name)
@@ -381,11 +399,12 @@ class Placement(unittest.TestCase):
         self.assertEqual(ask(), 200)
         live = Live(port)
         begun = time.monotonic()
-        self.nodes["a"].kill()
+        self.nodes["a"].process.kill()
         until("the viewer is let go", lambda: live.closed())
         until("it is served again", lambda: ask() == 200, pause_s=0.02)
         print("viewers behind HAProxy have pictures again "
               f"{time.monotonic() - begun:.2f} s after kill -9")
+        self.nodes["a"].kill()
         self.assertEqual(self.watched_at(port), ["s"])
         self.begin("a", "--exercise-rank", "1")
 
@@ -400,7 +419,8 @@ class Placement(unittest.TestCase):
             until("it is answered", viewer.answered)
             if not viewer.answer or viewer.answer.status != 200:
                 return []
-            return until("a node says so", watched)
+            return until("a node says so", lambda: watched() or (
+                viewer.closed() and ["nobody"]))
         finally:
             viewer.close()
             until("it has left", lambda: not watched())
@@ -436,7 +456,9 @@ class Live:
     def close(self):
         with contextlib.suppress(OSError):
             self.sock.shutdown(socket.SHUT_RDWR)
+        self.ended.wait(SLOW_S)
         self.connection.close()
+        self.sock.close()
 
 
 if __name__ == "__main__":

@@ -98,8 +98,8 @@ static void print_edit(const Pelagos__Cluster *c,
 {
     const Pelagos__ClusterPlace *now = NULL;
     for (size_t i = 0; i < c->n_places; i++) {
-        now =
-            strcmp(c->places[i]->view, command->view) == 0 ? c->places[i] : now;
+        now = g_strcmp0(c->places[i]->view, command->view) == 0 ? c->places[i]
+                                                                : now;
     }
     if (!command->node) {
         ctl_print(stdout, "view %s is placed no more\n", command->view);

@@ -15,6 +15,7 @@ struct pel_cluster_node {
     /* The same by pel_cluster.listened_ns; while it shows the exercise. */
     bool spoke;
     int64_t spoke_ns;
+    int64_t limit_ns; /* how long it may say nothing, as it said then */
     int64_t began_ns; /* since then without a pause */
 };
 

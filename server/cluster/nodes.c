@@ -96,18 +96,10 @@ static bool has_room(struct pel_cluster *c, const char *name)
 
 /* --- who is there --------------------------------------------------------- */
 
-/* How long it may say nothing. */
-static int64_t limit_ns(const struct pel_cluster_node *node)
-{
-    uint32_t every_ms = node->said->every;
-    return every_ms > 0 ? MISSED_BEATS * 1000000LL * CLAMP(every_ms, 50, 1000)
-                        : SILENT_NS;
-}
-
 bool pel_cluster_is_there(const struct pel_cluster *c,
                           const struct pel_cluster_node *node)
 {
-    return node->spoke ? c->listened_ns - node->spoke_ns <= limit_ns(node)
+    return node->spoke ? c->listened_ns - node->spoke_ns <= node->limit_ns
                        : c->listened_ns - c->since_ns <= SILENT_NS;
 }
 
@@ -123,17 +115,21 @@ void pel_cluster_suspect(struct pel_cluster *c, const char *name)
     struct pel_cluster_node *node = pel_cluster_find(c, name);
     if (node && node->spoke) {
         node->spoke_ns =
-            MIN(node->spoke_ns, c->listened_ns - limit_ns(node) + SUSPECT_NS);
+            MIN(node->spoke_ns, c->listened_ns - node->limit_ns + SUSPECT_NS);
     }
 }
 
-static void spoke(struct pel_cluster *c, struct pel_cluster_node *node)
+static void spoke(struct pel_cluster *c, struct pel_cluster_node *node,
+                  uint32_t every_ms)
 {
     if (!node->spoke || !pel_cluster_is_there(c, node)) {
         node->began_ns = c->listened_ns;
     }
     node->spoke = true;
     node->spoke_ns = c->listened_ns;
+    node->limit_ns = every_ms > 0
+                         ? MISSED_BEATS * 1000000LL * CLAMP(every_ms, 50, 1000)
+                         : SILENT_NS;
 }
 
 void pel_cluster_on_node(void *user, const Pelagos__ClusterNode *said)
@@ -158,7 +154,7 @@ void pel_cluster_on_node(void *user, const Pelagos__ClusterNode *said)
         }
         if (node->said->beat != said->beat &&
             said->role != PELAGOS__CLUSTER_ROLE__JOINING) {
-            spoke(c, node);
+            spoke(c, node, said->every);
         }
         pelagos__cluster_node__free_unpacked(node->said, NULL);
     }
