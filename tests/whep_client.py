@@ -1,5 +1,8 @@
 """A WHEP player by GStreamer's webrtcbin, without the page: what it decodes, as
 grey pictures. Needs python3-gst."""
+import random
+import re
+import socket
 import threading
 
 import gi
@@ -21,7 +24,8 @@ DECODE = ("queue ! rtph264depay ! h264parse ! openh264dec ! videoconvert ! "
 class Player:
     """Makes an offer; `answered(sdp)` connects; frames() takes pictures."""
 
-    def __init__(self):
+    def __init__(self, asks_again=False):
+        """asks_again: for lost packets (NACK, RTX)."""
         self.pipeline = Gst.Pipeline()
         self.web = Gst.ElementFactory.make("webrtcbin")
         self.web.set_property("bundle-policy", "max-bundle")
@@ -37,6 +41,8 @@ class Player:
         self.web.emit("add-transceiver",
                       GstWebRTC.WebRTCRTPTransceiverDirection.RECVONLY,
                       Gst.Caps.from_string(CAPS))
+        if asks_again:
+            self.web.emit("get-transceiver", 0).set_property("do-nack", True)
         self.pipeline.set_state(Gst.State.PLAYING)
 
     def wait(self, signal, *values):
@@ -87,3 +93,51 @@ class Player:
 
     def close(self):
         self.pipeline.set_state(Gst.State.NULL)
+
+
+class Lossy:
+    """A relay before a WHEP session on loopback, which drops a share of RTP's
+    packets to the player once it is told so."""
+
+    def __init__(self, seed):
+        self.share, self.dropped = 0, 0
+        self.random = random.Random(seed)
+        self.player = None
+        self.inside, self.outside = (
+            socket.socket(socket.AF_INET, socket.SOCK_DGRAM) for _ in range(2))
+        self.inside.bind(("127.0.0.1", 0))
+        self.outside.bind(("127.0.0.1", 0))
+
+    def answer(self, text):
+        """The answer as a player gets it: the way leads over the relay."""
+        found = re.search(r"candidate:\S+ 1 UDP \d+ 127\.0\.0\.1 (\d+)", text)
+        self.inside.connect(("127.0.0.1", int(found.group(1))))
+        for way in (self._up, self._down):
+            threading.Thread(target=way, daemon=True).start()
+        port = self.outside.getsockname()[1]
+        lines = [line for line in text.split("\r\n")
+                 if not line.startswith("a=candidate:")]
+        lines.insert(lines.index("a=end-of-candidates"), "a=candidate:1 1 UDP "
+                     f"2015363327 127.0.0.1 {port} typ host")
+        return "\r\n".join(lines)
+
+    def _up(self):
+        while True:
+            data, self.player = self.outside.recvfrom(65536)
+            try:
+                self.inside.send(data)
+            except OSError:
+                pass  # the session has ended
+
+    def _down(self):
+        while True:
+            try:
+                data = self.inside.recv(65536)
+            except OSError:
+                continue
+            # RFC 7983: RTP and RTCP from 128 to 191; RTCP by its second byte.
+            media = 128 <= data[0] < 192 and not 200 <= data[1] <= 207
+            if media and self.random.random() < self.share:
+                self.dropped += 1
+            elif self.player:
+                self.outside.sendto(data, self.player)

@@ -16,7 +16,7 @@ from whep_offer import OFFER
 
 try:
     from PIL import Image
-    from whep_client import Player
+    from whep_client import Lossy, Player
 except (ImportError, ValueError) as error:
     print(f"no GStreamer for Python to play with: {error}")
     sys.exit(77)
@@ -98,6 +98,29 @@ class Players(Case):
         self.assertEqual(
             self.daemon.request("DELETE", place).status, 404)
         until("it is over", lambda: self.metric("sessions") == 0)
+
+    def test_lost_packets_are_sent_again(self):
+        """Two of a hundred are lost: nearly all come when they are asked for,
+        where a key frame would have been asked for otherwise."""
+        relay, player = Lossy(1), Player(asks_again=True)
+        self.addCleanup(player.close)
+        answer = self.ask(player.offer())
+        self.assertEqual(answer.status, 201, answer)
+        text = answer.body.decode()
+        self.assertIn("rtx/90000", text)
+        player.answered(relay.answer(text))
+        for _ in range(10):
+            self.assertEqual(player.frame()[:2], SIZE)
+        before, relay.share = self.metric("key_wishes_total"), 0.02
+        pictures = 0
+        while relay.dropped < 25:
+            pictures += player.frame(5) is not None
+        relay.share = 0
+        wishes = self.metric("key_wishes_total") - before
+        print(f"{relay.dropped} packets lost, {wishes:.0f} key frames asked "
+              f"for, {pictures} pictures")
+        # Without, each packet costs more than two wishes.
+        self.assertLess(wishes, relay.dropped)
 
     def test_one_encoder(self):
         """Two peers of a profile and an MPEG-TS reader share it; another

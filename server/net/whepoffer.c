@@ -101,6 +101,8 @@ static void keep_candidate(struct pel_whep_offer *out, const char *text)
 struct type {
     unsigned payload;
     bool h264, whole; /* packetization-mode=1 */
+    bool rtx;         /* retransmissions of type `apt` */
+    unsigned apt;
     char profile[8];
 };
 
@@ -148,6 +150,9 @@ static void read_format(struct reader *r, const char *text)
     for (int i = 0; type && parts[i]; i++) {
         const char *part = g_strstrip(parts[i]);
         const char *id = after(part, "profile-level-id=");
+        const char *apt = after(part, "apt=");
+        type->apt = apt ? (unsigned)MIN(g_ascii_strtoull(apt, NULL, 10), 128)
+                        : type->apt;
         type->whole = type->whole || strcmp(part, "packetization-mode=1") == 0;
         if (id && strlen(id) == 6 &&
             strspn(id, "0123456789abcdefABCDEF") == 6) {
@@ -164,6 +169,7 @@ static void read_map(struct reader *r, const char *text)
         type_of(r, (unsigned)MIN(g_ascii_strtoull(text, &rest, 10), 128));
     if (type) {
         type->h264 = g_ascii_strcasecmp(g_strchug(rest), "H264/90000") == 0;
+        type->rtx = g_ascii_strcasecmp(rest, "rtx/90000") == 0;
     }
 }
 
@@ -186,6 +192,11 @@ static void end_line(struct reader *r)
     r->out->video = at;
     r->out->payload = best->payload;
     memcpy(r->out->profile, best->profile, sizeof best->profile);
+    for (size_t i = 0; i < r->type_count; i++) {
+        if (r->types[i].rtx && r->types[i].apt == best->payload) {
+            r->out->rtx = r->types[i].payload;
+        }
+    }
 #define EITHER(field)                                                          \
     g_strlcpy(r->out->field,                                                   \
               r->mine.field[0] ? r->mine.field : r->common.field,              \
@@ -363,6 +374,18 @@ static void append_format(GString *out, const struct pel_whep_offer *offer)
         offer->profile);
 }
 
+/* What lets a peer ask for lost packets again. */
+static void append_rtx(GString *out, const struct pel_whep_offer *offer)
+{
+    if (offer->rtx) {
+        g_string_append_printf(out,
+                               "a=rtcp-fb:%u nack\r\na=rtpmap:%u rtx/90000\r\n"
+                               "a=fmtp:%u apt=%u\r\n",
+                               offer->payload, offer->rtx, offer->rtx,
+                               offer->payload);
+    }
+}
+
 static const char *mid_of(const struct pel_whep_offer *offer)
 {
     const char *mid = offer->lines[offer->video].mid;
@@ -374,18 +397,23 @@ char *pel_whep_offer_write(const struct pel_whep_offer *offer, bool candidates)
     GString *out = g_string_new(NULL);
     const char *mid = mid_of(offer);
     unsigned pt = offer->payload;
+    char rtx[16] = "";
+    if (offer->rtx) {
+        snprintf(rtx, sizeof rtx, " %u", offer->rtx);
+    }
     g_string_append_printf(
         out,
         "v=0\r\no=- 1 1 IN IP4 127.0.0.1\r\ns=-\r\nt=0 0\r\n"
         "a=group:BUNDLE %s\r\n"
-        "m=video 9 UDP/TLS/RTP/SAVPF %u\r\nc=IN IP4 0.0.0.0\r\n"
+        "m=video 9 UDP/TLS/RTP/SAVPF %u%s\r\nc=IN IP4 0.0.0.0\r\n"
         "a=ice-ufrag:%s\r\na=ice-pwd:%s\r\na=ice-options:trickle\r\n"
         "a=fingerprint:%s\r\na=setup:%s\r\na=mid:%s\r\na=recvonly\r\n"
         "a=rtcp-mux\r\na=rtpmap:%u H264/90000\r\n"
         "a=rtcp-fb:%u nack pli\r\na=rtcp-fb:%u ccm fir\r\n",
-        mid, pt, offer->ufrag, offer->password, offer->fingerprint,
+        mid, pt, rtx, offer->ufrag, offer->password, offer->fingerprint,
         offer->setup[0] ? offer->setup : "actpass", mid, pt, pt, pt);
     append_format(out, offer);
+    append_rtx(out, offer);
     for (size_t i = 0; candidates && i < offer->candidate_count; i++) {
         g_string_append_printf(out, "a=candidate:%s\r\n", offer->candidates[i]);
     }
@@ -398,8 +426,10 @@ static void append_media(GString *out, const struct pel_whep_offer *offer,
                          const char *media, const uint32_t *epoch)
 {
     char **lines = g_strsplit(media, "\r\n", -1);
+    char format[24];
+    snprintf(format, sizeof format, "a=fmtp:%u ", offer->payload);
     for (int i = 0; lines[i]; i++) {
-        if (g_str_has_prefix(lines[i], "a=fmtp:")) {
+        if (g_str_has_prefix(lines[i], format)) {
             append_format(out, offer);
         } else if (lines[i][0]) {
             g_string_append_printf(out, "%s\r\n", lines[i]);

@@ -25,6 +25,7 @@ struct pel_whep_offer {
     size_t line_count;
     size_t video;     /* which of them gets the pictures */
     unsigned payload; /* RTP's payload type of H.264 there, 0..127 */
+    unsigned rtx;     /* the type of its retransmissions (RFC 4588); 0: none */
     char profile[8];  /* profile-level-id, six hexadecimal digits, or "" */
     char ufrag[260], password[260];
     char fingerprint[112]; /* "sha-256 AB:CD…" */

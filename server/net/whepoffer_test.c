@@ -74,13 +74,15 @@ static void chromium(void **state)
          "profile-level-id=42001f\r\na=rtpmap:104 H264/90000\r\n"
          "a=fmtp:104 packetization-mode=0;profile-level-id=42e01f\r\n"
          "a=rtpmap:108 H264/90000\r\na=fmtp:108 packetization-mode=1;"
-         "profile-level-id=42e01f\r\na=rtpmap:116 H264/90000\r\n"
+         "profile-level-id=42e01f\r\na=rtpmap:109 rtx/90000\r\n"
+         "a=fmtp:109 apt=108\r\na=rtpmap:116 H264/90000\r\n"
          "a=fmtp:116 packetization-mode=1;profile-level-id=4d001f\r\n"
          "m=application 9 UDP/DTLS/SCTP webrtc-datachannel\r\n" ICE DTLS
          "a=mid:2\r\na=sctp-port:5000\r\n");
     assert_int_equal(offer.line_count, 3);
     assert_int_equal(offer.video, 1);
     assert_int_equal(offer.payload, 108); /* constrained baseline */
+    assert_int_equal(offer.rtx, 109);
     assert_string_equal(offer.profile, "42e01f");
     assert_string_equal(offer.lines[1].mid, "1");
     assert_string_equal(offer.lines[2].kind, "application");
@@ -292,12 +294,15 @@ static void only_what_was_checked_is_written(void **state)
 {
     (void)state;
     good(HEAD "a=x:secret\r\n" EMPTY MEDIA
-              "a=mid:v\r\na=y:secret\r\n" CANDIDATE);
+              "a=mid:v\r\na=y:secret\r\na=rtpmap:103 rtx/90000\r\n"
+              "a=fmtp:103 apt=102\r\n" CANDIDATE);
+    assert_int_equal(offer.rtx, 103);
     char *text = pel_whep_offer_write(&offer, true);
     assert_null(strstr(text, "secret"));
     assert_non_null(strstr(text, CANDIDATE));
     good(text);
     assert_int_equal(offer.line_count, 1);
+    assert_int_equal(offer.rtx, 103);
     assert_string_equal(offer.password, PASSWORD);
     g_free(text);
     text = pel_whep_offer_write(&offer, false);
@@ -314,17 +319,19 @@ static void every_line_is_answered(void **state)
     char *text = pel_whep_answer_write(
         &offer,
         "v=0\r\ns=-\r\nm=video 9 UDP/TLS/RTP/SAVPF 102\r\na=mid:v\r\n"
-        "a=fmtp:102 packetization-mode=1\r\n",
+        "a=fmtp:102 packetization-mode=1\r\na=fmtp:103 apt=102\r\n",
         &epoch);
     assert_string_equal(
-        text, "v=0\r\ns=-\r\nm=audio 0 UDP/TLS/RTP/SAVPF 0\r\n"
-              "c=IN IP4 0.0.0.0\r\na=inactive\r\na=mid:a\r\n"
-              "m=video 9 UDP/TLS/RTP/SAVPF 102\r\na=mid:v\r\n"
-              "a=fmtp:102 level-asymmetry-allowed=1;packetization-mode=1\r\n"
-              "a=ts-refclk:private\r\na=mediaclk:direct=4294967295\r\n"
-              "a=end-of-candidates\r\n"
-              "m=application 0 UDP/DTLS/SCTP webrtc-datachannel\r\n"
-              "c=IN IP4 0.0.0.0\r\na=inactive\r\n");
+        text,
+        "v=0\r\ns=-\r\nm=audio 0 UDP/TLS/RTP/SAVPF 0\r\n"
+        "c=IN IP4 0.0.0.0\r\na=inactive\r\na=mid:a\r\n"
+        "m=video 9 UDP/TLS/RTP/SAVPF 102\r\na=mid:v\r\n"
+        "a=fmtp:102 level-asymmetry-allowed=1;packetization-mode=1\r\n"
+        "a=fmtp:103 "
+        "apt=102\r\na=ts-refclk:private\r\na=mediaclk:direct=4294967295\r\n"
+        "a=end-of-candidates\r\n"
+        "m=application 0 UDP/DTLS/SCTP webrtc-datachannel\r\n"
+        "c=IN IP4 0.0.0.0\r\na=inactive\r\n");
     g_free(text);
     assert_null(pel_whep_answer_write(&offer, "v=0\r\n", NULL));
 }

@@ -32,7 +32,7 @@ static void look_at_offer(const struct pel_whep_offer *o, bool candidates)
     char *text = pel_whep_offer_write(o, candidates);
     demand(!pel_whep_offer_read(text, strlen(text), &again, NULL));
     demand(again.line_count == 1 && again.video == 0 &&
-           again.payload == o->payload);
+           again.payload == o->payload && again.rtx == o->rtx);
     demand(strcmp(again.ufrag, o->ufrag) == 0 &&
            strcmp(again.password, o->password) == 0 &&
            strcmp(again.fingerprint, o->fingerprint) == 0 &&
