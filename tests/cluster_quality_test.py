@@ -75,6 +75,7 @@ class Quality(unittest.TestCase):
         c = self.begin("c", "full")
         until("c says that it is not", lambda: self.said(a, "c").get(
             "alike") is False)
+        until("its log tells why", lambda: "CLU-022" in c.log())
         self.assertEqual(c.log().count("CLU-022"), 1)
         self.assertNotIn("CLU-022", b.log())
         of_a, of_c = self.watch(a, c)
