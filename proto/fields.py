@@ -24,6 +24,7 @@ NUMBERS = {F.TYPE_DOUBLE, F.TYPE_FLOAT, F.TYPE_INT32, F.TYPE_INT64,
 BRACKET = re.compile(r"\s*\[([^\][]*)\]\s*$")
 TYPE_NAMES = {F.TYPE_DOUBLE: "double", F.TYPE_FLOAT: "float",
               F.TYPE_UINT32: "uint32", F.TYPE_UINT64: "uint64",
+              F.TYPE_FIXED64: "fixed64",
               F.TYPE_INT32: "int32", F.TYPE_INT64: "int64",
               F.TYPE_SINT32: "sint32", F.TYPE_SINT64: "sint64",
               F.TYPE_BOOL: "bool", F.TYPE_STRING: "string",

@@ -654,7 +654,7 @@ class Bridges(Case):
 class Table(unittest.TestCase):
     def test_every_row_has_a_test(self):
         tests = {name[5:] for case in (Requests, Work, Places, Whep, Rtsp, Times,
-                                       Bridges) for name in dir(case)
+                                       Cluster, Bridges) for name in dir(case)
                  if name.startswith("test_")}
         self.assertEqual(set(ROWS) - tests, set())
         with open(os.path.join(ROOT, "proto/manual.md"),

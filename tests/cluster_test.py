@@ -3,6 +3,7 @@
 this machine. What takes minutes, losses and namespaces is tests/cluster/."""
 import base64
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -196,6 +197,10 @@ class Cluster(unittest.TestCase):
         print(f"another master {time.monotonic() - begun:.2f} s after kill -9")
         self.assertIsNot(master, killed)
         self.assertIsNot(master, never)
+        silent = re.search(r"takes over from node (\S+), which was silent for "
+                           r"(\d+) ms", master.log())
+        self.assertEqual(silent[1], killed.name)
+        self.assertGreaterEqual(int(silent[2]), 250)
         self.assertGreaterEqual(int(master.state()["revision"]),
                                 int(state["revision"]))
         self.assertEqual(master.state()["entities"][0]["heading"], 123)

@@ -154,6 +154,49 @@ describe("addresses", () => {
     await shot("walls-wall");
   });
 
+  // By how much after its time each picture of two views is shown, ms.
+  const late = () => page.evaluate(async () => {
+    const { Video, noVideo } = await import("/video.js");
+    const all = [];
+    const videos = ["port", "stbd"].map((name) => {
+      const video = new Video(name, document.createElement("canvas"), (one) => {
+        if (one && video.server.known) {
+          all.push([one.number, name, video.server.nowMs - one.presentMs]);
+        }
+      }, (why) => all.push([why]));
+      video.start();
+      return video;
+    });
+    await new Promise((resolve) => setTimeout(resolve, 5000));
+    videos.forEach((video) => video.stop());
+    return noVideo || all;
+  });
+
+  test("hold pictures until their time", async () => {
+    await open(`${daemon.url}/?view=bow&hud=0`, { wait: false });
+    const before = await late();
+    assert.ok(before.some(([, , ms]) => ms < -12), "as they come");
+    await open(`${daemon.url}/?view=bow&hud=0&step=1`, { wait: false });
+    const held = await late();
+    assert.ok(held.length > 20, JSON.stringify(held));
+    // Half a refresh early at most; the clock is known to some tenths of a ms.
+    assert.deepEqual(held.filter(([, , ms]) => !(ms > -9)), []);
+    const of = (name) => new Map(held.filter((one) => one[1] === name)
+      .map(([number, , ms]) => [number, ms]));
+    const [port, stbd] = [of("port"), of("stbd")];
+    const apart = [...port].filter(([number]) => stbd.has(number))
+      .map(([number, ms]) => Math.abs(ms - stbd.get(number)))
+      .sort((a, b) => a - b);
+    const middle = (list) => list[list.length >> 1];
+    console.log(`shown ${middle(before.map(([, , ms]) => ms)).toFixed(1)} ms ` +
+      `after its time as it comes, ` +
+      `${middle(held.map(([, , ms]) => ms)).toFixed(1)} held; ` +
+      `${apart.length} of ${port.size} in both, ${middle(apart).toFixed(1)} ` +
+      "ms apart (medians)");
+    // In one refresh, where neither was late.
+    assert.ok(apart.length > 10 && middle(apart) < 17, apart.join());
+  });
+
   test("are made by the page, and never hold the token", async () => {
     await open(`${daemon.url}/#token=0123456789abcdef0123456789abcdef`,
       { wait: false });

@@ -94,8 +94,9 @@ class Sources(unittest.TestCase):
         self.assertFalse((self.tree / "docs/planning.md").exists())
 
     def test_a_figure_that_is_gone_is_told(self):
-        self.change("server/cluster/nodes.c", "#define MOST_NODES", "#define M")
-        self.refused("nodes: server/cluster/nodes.c has 0 times: "
+        self.change("proto/bounds.def", "PEL_BOUND(CLUSTER_NODES,",
+                    "PEL_BOUND(NODES,")
+        self.refused("nodes: proto/bounds.def has 0 times: "
                      + figures.SOURCES["nodes"][2])
 
     def test_a_figure_that_is_there_twice_is_told(self):

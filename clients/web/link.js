@@ -23,6 +23,7 @@ export function read(search) {
     plan: flag(given.get("plan")),
     theme: among(THEMES, given.get("theme")),
     way: among(WAYS, given.get("way")),
+    step: flag(given.get("step")),
   };
 }
 

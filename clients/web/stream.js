@@ -4,6 +4,8 @@
 // pictures, not queue them.
 
 import { headers } from "/api.js";
+import { link } from "/link.js";
+import { heldMs, unixMs } from "/step.js";
 
 const RETRY_MS = 1000;
 const RATE_WINDOW_MS = 3000;
@@ -74,8 +76,6 @@ const inputs = (line) => ({
   stale: (line("x-pelagos-stale") ?? "none") !== "none",
   host: Number(line("x-pelagos-host-frame") ?? 0),
 });
-
-const unixMs = () => performance.timeOrigin + performance.now();
 
 async function show(image, blob) {
   const url = URL.createObjectURL(blob);
@@ -170,6 +170,11 @@ export class Live {
     while (!signal.aborted) {
       const head = await parts.head();
       const data = await parts.take(Number(head["content-length"]));
+      if (link.step) {
+        const waitMs = heldMs(1000 * Number(head["x-pelagos-present"]) -
+          clockMs - unixMs());
+        await new Promise((resolve) => setTimeout(resolve, waitMs));
+      }
       await show(this.image, new Blob([data], { type: "image/jpeg" }));
       this.stamps.push(performance.now());
       this.missed = Number(head["x-pelagos-missed"] ?? 0);

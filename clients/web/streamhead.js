@@ -19,6 +19,8 @@ export function readHead(buffer) {
     stale: (flags & STALE) !== 0,
     host: Number(at.getBigUint64(24, true)),
     missed: at.getUint32(52, true),
+    // When all views of the frame are to be shown, by the server's clock.
+    presentMs: Number(at.getBigUint64(64, true)) / 1000,
     // Of what was rendered; later versions of the header have it.
     drawn: at.getUint8(3) >= 80
       ? [at.getUint16(72, true), at.getUint16(74, true)] : null,

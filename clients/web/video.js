@@ -3,6 +3,8 @@
 // server sends a slow browser fewer of them.
 
 import { acknowledge, connect } from "/early.js";
+import { link } from "/link.js";
+import { Held, ServerClock, unixMs } from "/step.js";
 import { readHead } from "/streamhead.js";
 
 const RETRY_MS = 1000;
@@ -41,8 +43,6 @@ function codecOf(data) {
   return "";
 }
 
-const unixMs = () => performance.timeOrigin + performance.now();
-
 export class Video {
   // `told` as in stream.js; `failed(why)` when video will not work here.
   constructor(name, canvas, told, failed, place = "/v1") {
@@ -58,7 +58,10 @@ export class Video {
     this.missed = 0;
     this.errors = 0;
     this.refused = 0;
-    this.clockMs = 0; // server's clock minus ours
+    this.server = new ServerClock();
+    this.held = link.step
+      ? new Held(this.server, ({ frame, head }) => this.draw(frame, head))
+      : null;
   }
 
   get running() {
@@ -88,7 +91,7 @@ export class Video {
   stop() {
     this.wanted = false;
     clearTimeout(this.retry);
-    clearInterval(this.clock);
+    clearInterval(this.asking);
     this.socket?.close();
     this.socket = null;
     this.closeDecoder();
@@ -117,7 +120,7 @@ export class Video {
     socket.onopen = () => {
       this.refused = -1; // never any more
       this.askTime();
-      this.clock = setInterval(() => this.askTime(), CLOCK_MS);
+      this.asking = setInterval(() => this.askTime(), CLOCK_MS);
     };
     if (socket.readyState === WebSocket.OPEN) {
       socket.onopen();
@@ -126,7 +129,7 @@ export class Video {
   }
 
   lost() {
-    clearInterval(this.clock);
+    clearInterval(this.asking);
     this.closeDecoder();
     this.socket = null;
     this.told(null);
@@ -165,8 +168,7 @@ export class Video {
     if (message.type === "time") {
       const bits = new DataView(new ArrayBuffer(8));
       bits.setBigUint64(0, BigInt(`0x${message.echo}`), true);
-      const asked = bits.getFloat64(0);
-      this.clockMs = message.unix * 1000 - (asked + unixMs()) / 2;
+      this.server.add(bits.getFloat64(0), unixMs(), message.unix * 1000);
     } else if (message.type === "end" && /encoder|codec/.test(message.message)) {
       this.giveUp(`the server says: ${message.message}`);
     }
@@ -180,6 +182,7 @@ export class Video {
   // --- decoding -------------------------------------------------------------
 
   closeDecoder() {
+    this.held?.clear();
     if (this.decoder && this.decoder.state !== "closed") {
       this.decoder.close();
     }
@@ -245,6 +248,19 @@ export class Video {
   show(frame) {
     const head = this.heads.get(frame.timestamp);
     this.heads.delete(frame.timestamp);
+    if (head) {
+      this.errors = 0;
+      this.acknowledge(head);
+    }
+    if (head && this.held && this.server.known) {
+      this.held.take(head.presentMs,
+        { frame, head, close: () => frame.close() });
+    } else {
+      this.draw(frame, head);
+    }
+  }
+
+  draw(frame, head) {
     if (this.canvas.width !== frame.displayWidth ||
         this.canvas.height !== frame.displayHeight) {
       this.canvas.width = frame.displayWidth;
@@ -255,12 +271,11 @@ export class Video {
     if (!head) {
       return;
     }
-    this.errors = 0;
-    this.acknowledge(head);
     this.stamps.push(performance.now());
-    this.latencies.push(unixMs() + this.clockMs - head.stampMs);
+    this.latencies.push(this.server.nowMs - head.stampMs);
     this.latencies.splice(0, this.latencies.length - 31);
     this.told({ number: Number(head.number), time: head.time,
-      drawn: head.drawn, stale: head.stale, host: head.host });
+      drawn: head.drawn, stale: head.stale, host: head.host,
+      presentMs: head.presentMs });
   }
 }

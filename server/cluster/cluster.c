@@ -294,6 +294,7 @@ void pel_cluster_destroy(struct pel_cluster *c)
     g_free(c->name);
     g_free(c->address);
     g_free(c->program);
+    g_free(c->silent);
     g_free(c);
 }
 

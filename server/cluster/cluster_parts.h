@@ -40,11 +40,13 @@ struct pel_cluster {
     bool asking;    /* the store, for something that decides who we are */
     bool following; /* the state is that of frame `number` of the log */
     bool strayed;
-    uint64_t term;  /* with which we ask to take over */
-    uint64_t goal;  /* frames that there are, of one who joins */
-    guint patience; /* timer */
-    guint beats;    /* timer */
-    guint retry;    /* timer; 0: none */
+    uint64_t term;     /* with which we ask to take over */
+    char *silent;      /* from whom; NULL: never yet */
+    int64_t silent_ns; /* how long he was silent then */
+    uint64_t goal;     /* frames that there are, of one who joins */
+    guint patience;    /* timer */
+    guint beats;       /* timer */
+    guint retry;       /* timer; 0: none */
     int64_t joined_ns;
 
     /* The last sealed frame. */

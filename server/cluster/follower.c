@@ -328,8 +328,7 @@ static void took(void *user, bool yes, uint64_t revision,
         pel_warn("CLU-010",
                  "node %s takes over from node %s, which was silent for %.0f "
                  "ms, after frame %llu",
-                 c->name, c->master->name,
-                 (double)(pel_now_ns() - c->sealed_ns) * 1e-6,
+                 c->name, c->silent, (double)c->silent_ns * 1e-6,
                  (unsigned long long)c->number);
         pel_cluster_know_master(c, &me);
         c->takeovers++;
@@ -373,6 +372,10 @@ void pel_cluster_be_patient(struct pel_cluster *c)
         me.address = c->address;
         me.has_term = true;
         me.term = c->term = c->master->term + 1;
+        /* The store may tell of ourselves before it answers. */
+        g_free(c->silent);
+        c->silent = g_strdup(c->master->name);
+        c->silent_ns = silent_ns;
         c->asking = true;
         pel_seals_take(c->seals, c->master, c->number, &me, took, c);
     }

@@ -66,8 +66,9 @@ static void limits(void **state)
             struct pel_vec3 d = pel_sea_displace(&sea, rest.x, rest.y, 33);
             struct pel_surface_sample s;
             pel_sea_sample(&sea, rest.x + d.x, rest.y + d.y, 33, &s);
-            assert_float_equal(f.shift.x, d.x, 1e-9);
-            assert_float_equal(f.shift.y, d.y, 1e-9);
+            /* Queries of cascades sum single texels in single precision. */
+            assert_float_equal(f.shift.x, d.x, fft ? 2e-6 : 1e-9);
+            assert_float_equal(f.shift.y, d.y, fft ? 2e-6 : 1e-9);
             assert_float_equal(f.shift.z, s.height_m, 1e-5);
             /* A query is within 1 µm of its place, where ripples bend by 100/m.
              * The cascades' slopes are interpolated linearly where a query

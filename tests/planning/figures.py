@@ -98,7 +98,7 @@ SOURCES = {
     "state_kb": ("docs/architecture.md", "Decisions",
                  r"a state of 256 entities is " + N + " kB"),
     # Limits.
-    "nodes": ("server/cluster/nodes.c", None, r"#define MOST_NODES " + N),
+    "nodes": (BOUNDS, None, bound("CLUSTER_NODES")),
     "views": (BOUNDS, None, bound("VIEWS")),
     "entities": (BOUNDS, None, bound("ENTITIES")),
     "pixels": (BOUNDS, None, bound("LIVE_PIXELS")),

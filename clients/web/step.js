@@ -1,0 +1,81 @@
+// Several windows in step: each picture is held until the time at which all
+// views of its frame are to be shown (proto/live.md, "Several windows").
+
+const ANSWERS = 12; // a minute of them
+const MOST = 16; // decoded pictures that wait
+const LONGEST_MS = 1000; // who is to wait longer has a wrong time
+const EARLY_MS = 8; // half a refresh: what is drawn now is seen by then
+
+export const unixMs = () => performance.timeOrigin + performance.now();
+
+// The server's clock, by the answer of the last ones that took least: it is
+// wrong by half of what that took at most.
+export class ServerClock {
+  constructor() {
+    this.answers = [];
+  }
+
+  add(askedMs, heardMs, serverMs) {
+    this.answers.push({ tookMs: heardMs - askedMs,
+      aheadMs: serverMs - (askedMs + heardMs) / 2 });
+    this.answers.splice(0, this.answers.length - ANSWERS);
+  }
+
+  get known() {
+    return this.answers.length > 0;
+  }
+
+  // Before ours.
+  get aheadMs() {
+    return this.answers.reduce((best, answer) =>
+      answer.tookMs < best.tookMs ? answer : best,
+    { tookMs: Infinity, aheadMs: 0 }).aheadMs;
+  }
+
+  get nowMs() {
+    return unixMs() + this.aheadMs;
+  }
+}
+
+// How long a picture waits that is to be shown so far from now.
+export const heldMs = (awayMs) =>
+  awayMs > 0 && awayMs <= LONGEST_MS ? awayMs : 0;
+
+// `show(one)` or `one.close()` is called for each that was taken, in order.
+export class Held {
+  constructor(clock, show) {
+    this.clock = clock;
+    this.show = show;
+    this.waiting = [];
+    this.asked = null;
+  }
+
+  take(presentMs, one) {
+    const nowMs = this.clock.nowMs;
+    this.waiting.push({ presentMs: nowMs + heldMs(presentMs - nowMs), one });
+    if (this.waiting.length > MOST) {
+      this.waiting.shift().one.close(); // a hidden page draws none
+    }
+    this.asked ??= requestAnimationFrame(() => this.refresh());
+  }
+
+  // Shows the last that is due.
+  refresh() {
+    const dueMs = this.clock.nowMs + EARLY_MS;
+    const gone = this.waiting.splice(0, 1 + this.waiting.findLastIndex(
+      ({ presentMs }) => presentMs <= dueMs));
+    const last = gone.pop();
+    gone.forEach(({ one }) => one.close());
+    this.asked = this.waiting.length
+      ? requestAnimationFrame(() => this.refresh()) : null;
+    if (last) {
+      this.show(last.one);
+    }
+  }
+
+  clear() {
+    cancelAnimationFrame(this.asked);
+    this.asked = null;
+    this.waiting.splice(0).forEach(({ one }) => one.close());
+  }
+}
