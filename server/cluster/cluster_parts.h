@@ -103,7 +103,7 @@ struct pel_cluster {
         int64_t put_ns;
         uint64_t moves;
     } placing;
-    GHashTable *warmed; /* names of views */
+    GHashTable *warmed; /* names of placed views */
     uint64_t warm_id;   /* of the request; 0: none */
 
     float sealed_ms[PEL_SEAL_WINDOW];
@@ -205,6 +205,9 @@ void pel_cluster_on_places(void *user, const struct pel_seals_places *what);
 void pel_cluster_place_on(struct pel_cluster *c);
 /* How many views are placed; how many of them others draw. */
 size_t pel_cluster_place_count(const struct pel_cluster *c, size_t *elsewhere);
+/* Where a view is placed; NULL: nowhere. */
+const Pelagos__ClusterPlace *pel_cluster_place_of(const struct pel_cluster *c,
+                                                  const char *view);
 /* A copy for people, with what the store does not have. */
 Pelagos__ClusterPlace *pel_cluster_place_copy(const struct pel_cluster *c,
                                               const Pelagos__ClusterPlace *p);

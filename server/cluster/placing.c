@@ -409,6 +409,12 @@ Pelagos__ClusterPlace *pel_cluster_place_copy(const struct pel_cluster *c,
     return out;
 }
 
+const Pelagos__ClusterPlace *pel_cluster_place_of(const struct pel_cluster *c,
+                                                  const char *view)
+{
+    return find(c->placing.known, view);
+}
+
 Pelagos__ClusterPlace *pel_cluster_placed(struct pel_cluster *c,
                                           const char *view, bool *here)
 {

@@ -40,12 +40,19 @@ static bool ask(struct pel_cluster *c, char *view)
                                &fault);
 }
 
+static gboolean is_placed_no_more(gpointer view, gpointer value, gpointer user)
+{
+    (void)value;
+    return !pel_cluster_place_of(user, view);
+}
+
 void pel_cluster_warm(struct pel_cluster *c)
 {
     size_t count = pel_cluster_place_count(c, NULL);
     if (!pel_cluster_is_current(c)) {
         return;
     }
+    g_hash_table_foreach_remove(c->warmed, is_placed_no_more, c);
     for (size_t i = 0; i < count && !c->warm_id; i++) {
         const Pelagos__ClusterPlace *place = c->placing.known->places[i];
         if (may_draw(c, place) &&

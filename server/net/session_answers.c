@@ -122,6 +122,34 @@ static enum pel_err has_room(const struct session *self, size_t size,
                : PEL_OK;
 }
 
+/* Ends one for which the session reads nothing more: the session, where it is
+ * there and the answer is a good one; a fault has been sent. */
+static struct session *owed(struct job *job, enum pel_err err,
+                            const struct pel_fault *fault)
+{
+    struct session *self = job->session;
+    if (!job_end(job)) {
+        return NULL;
+    }
+    self->owes = false;
+    if (err) {
+        pel_session_send_fault(self, job->has_id, job->id, fault);
+        return NULL;
+    }
+    return self;
+}
+
+/* It was begun, or refused at once: then it is owed no more. */
+static enum pel_err begun(struct job *job, enum pel_err err)
+{
+    if (err) {
+        job->session->owes = false;
+        g_ptr_array_remove_fast(job->session->jobs, job);
+        g_free(job);
+    }
+    return err;
+}
+
 static void on_frame(void *user, enum pel_err err,
                      const struct pel_fault *fault, struct pel_frame *frame)
 {
@@ -287,14 +315,9 @@ enum pel_err pel_session_start(struct session *self,
 static void on_edit(void *user, enum pel_err err, const struct pel_fault *fault)
 {
     struct job *job = user;
-    struct session *self = job->session;
-    if (job_end(job)) {
-        self->owes = false;
-        if (err == PEL_OK) {
-            pel_session_send_state(self, job->has_id, job->id);
-        } else {
-            pel_session_send_fault(self, job->has_id, job->id, fault);
-        }
+    struct session *self = owed(job, err, fault);
+    if (self) {
+        pel_session_send_state(self, job->has_id, job->id);
     }
     g_free(job);
 }
@@ -328,14 +351,9 @@ static void on_place(void *user, enum pel_err err,
                      const struct pel_fault *fault)
 {
     struct job *job = user;
-    struct session *self = job->session;
-    if (job_end(job)) {
-        self->owes = false;
-        if (err == PEL_OK) {
-            send_cluster(self, job->has_id, job->id);
-        } else {
-            pel_session_send_fault(self, job->has_id, job->id, fault);
-        }
+    struct session *self = owed(job, err, fault);
+    if (self) {
+        send_cluster(self, job->has_id, job->id);
     }
     g_free(job);
 }
@@ -347,12 +365,7 @@ enum pel_err pel_session_place(struct session *self,
     struct job *job = owe(self, request);
     enum pel_err err = pel_cluster_place(self->all->cluster, request->place,
                                          on_place, job, fault);
-    if (err) {
-        self->owes = false;
-        g_ptr_array_remove_fast(self->jobs, job);
-        g_free(job);
-    }
-    return err;
+    return begun(job, err);
 }
 
 /* --- exercises ------------------------------------------------------------ */
@@ -372,14 +385,9 @@ static void on_exercise(void *user, enum pel_err err,
                         const struct pel_fault *fault)
 {
     struct job *job = user;
-    struct session *self = job->session;
-    if (job_end(job)) {
-        self->owes = false;
-        if (err == PEL_OK) {
-            send_exercise(self, job->has_id, job->id, job->exercise);
-        } else {
-            pel_session_send_fault(self, job->has_id, job->id, fault);
-        }
+    struct session *self = owed(job, err, fault);
+    if (self) {
+        send_exercise(self, job->has_id, job->id, job->exercise);
     }
     pelagos__exercise_status__free_unpacked(job->exercise, NULL);
     g_free(job);
@@ -417,19 +425,14 @@ static void on_spectrum(void *user, enum pel_err err,
                         const Pelagos__Spectrum *answer)
 {
     struct job *job = user;
-    struct session *self = job->session;
-    if (job_end(job)) {
-        self->owes = false;
-        if (err == PEL_OK) {
-            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-            reply.has_id = job->has_id;
-            reply.id = job->id;
-            reply.result_case = PELAGOS__REPLY__RESULT_SPECTRUM;
-            reply.spectrum = (Pelagos__Spectrum *)answer;
-            send_reply(self, &reply);
-        } else {
-            pel_session_send_fault(self, job->has_id, job->id, fault);
-        }
+    struct session *self = owed(job, err, fault);
+    if (self) {
+        Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+        reply.has_id = job->has_id;
+        reply.id = job->id;
+        reply.result_case = PELAGOS__REPLY__RESULT_SPECTRUM;
+        reply.spectrum = (Pelagos__Spectrum *)answer;
+        send_reply(self, &reply);
     }
     g_free(job);
 }
@@ -441,12 +444,7 @@ enum pel_err pel_session_spectrum(struct session *self,
     struct job *job = owe(self, request);
     enum pel_err err = pel_command_spectrum(self->all->scene, request->spectrum,
                                             on_spectrum, job, fault);
-    if (err) {
-        self->owes = false;
-        g_ptr_array_remove_fast(self->jobs, job);
-        g_free(job);
-    }
-    return err;
+    return begun(job, err);
 }
 
 static void on_models(void *user, enum pel_err err,
@@ -454,19 +452,14 @@ static void on_models(void *user, enum pel_err err,
                       const Pelagos__Models *answer)
 {
     struct job *job = user;
-    struct session *self = job->session;
-    if (job_end(job)) {
-        self->owes = false;
-        if (err == PEL_OK) {
-            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-            reply.has_id = job->has_id;
-            reply.id = job->id;
-            reply.result_case = PELAGOS__REPLY__RESULT_MODELS;
-            reply.models = (Pelagos__Models *)answer;
-            send_reply(self, &reply);
-        } else {
-            pel_session_send_fault(self, job->has_id, job->id, fault);
-        }
+    struct session *self = owed(job, err, fault);
+    if (self) {
+        Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+        reply.has_id = job->has_id;
+        reply.id = job->id;
+        reply.result_case = PELAGOS__REPLY__RESULT_MODELS;
+        reply.models = (Pelagos__Models *)answer;
+        send_reply(self, &reply);
     }
     g_free(job);
 }
@@ -478,12 +471,7 @@ enum pel_err pel_session_models(struct session *self,
     struct job *job = owe(self, request);
     enum pel_err err = pel_scene_ask_models(
         self->all->scene, request->models->name, on_models, job, fault);
-    if (err) {
-        self->owes = false;
-        g_ptr_array_remove_fast(self->jobs, job);
-        g_free(job);
-    }
-    return err;
+    return begun(job, err);
 }
 
 static void on_series(void *user, enum pel_err err,
@@ -534,19 +522,14 @@ static void on_almanac(void *user, enum pel_err err,
                        const Pelagos__Almanac *answer)
 {
     struct job *job = user;
-    struct session *self = job->session;
-    if (job_end(job)) {
-        self->owes = false;
-        if (err == PEL_OK) {
-            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-            reply.has_id = job->has_id;
-            reply.id = job->id;
-            reply.result_case = PELAGOS__REPLY__RESULT_ALMANAC;
-            reply.almanac = (Pelagos__Almanac *)answer;
-            send_reply(self, &reply);
-        } else {
-            pel_session_send_fault(self, job->has_id, job->id, fault);
-        }
+    struct session *self = owed(job, err, fault);
+    if (self) {
+        Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+        reply.has_id = job->has_id;
+        reply.id = job->id;
+        reply.result_case = PELAGOS__REPLY__RESULT_ALMANAC;
+        reply.almanac = (Pelagos__Almanac *)answer;
+        send_reply(self, &reply);
     }
     g_free(job);
 }
@@ -562,12 +545,7 @@ enum pel_err pel_session_almanac(struct session *self,
     struct job *job = owe(self, request);
     err = pel_scene_ask_almanac(self->all->scene, request->almanac, on_almanac,
                                 job, fault);
-    if (err) {
-        self->owes = false;
-        g_ptr_array_remove_fast(self->jobs, job);
-        g_free(job);
-    }
-    return err;
+    return begun(job, err);
 }
 
 static void on_recordings(void *user, enum pel_err err,
@@ -575,19 +553,14 @@ static void on_recordings(void *user, enum pel_err err,
                           const Pelagos__Recordings *answer)
 {
     struct job *job = user;
-    struct session *self = job->session;
-    if (job_end(job)) {
-        self->owes = false;
-        if (err == PEL_OK) {
-            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-            reply.has_id = job->has_id;
-            reply.id = job->id;
-            reply.result_case = PELAGOS__REPLY__RESULT_RECORDINGS;
-            reply.recordings = (Pelagos__Recordings *)answer;
-            send_reply(self, &reply);
-        } else {
-            pel_session_send_fault(self, job->has_id, job->id, fault);
-        }
+    struct session *self = owed(job, err, fault);
+    if (self) {
+        Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+        reply.has_id = job->has_id;
+        reply.id = job->id;
+        reply.result_case = PELAGOS__REPLY__RESULT_RECORDINGS;
+        reply.recordings = (Pelagos__Recordings *)answer;
+        send_reply(self, &reply);
     }
     g_free(job);
 }
@@ -612,12 +585,7 @@ enum pel_err pel_session_recordings(struct session *self,
     }
     struct job *job = owe(self, request);
     err = pel_debrief_ask_recordings(debrief, on_recordings, job, fault);
-    if (err) {
-        self->owes = false;
-        g_ptr_array_remove_fast(self->jobs, job);
-        g_free(job);
-    }
-    return err;
+    return begun(job, err);
 }
 
 enum pel_err pel_session_debrief(struct session *self,
