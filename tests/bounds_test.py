@@ -319,10 +319,12 @@ class Work(Case):
         self.daemon.patch({"views": {f"large{i}": None
                                      for i in range(count + 1)}})
 
-    def test_LIVE_ENCODERS(self):
+    def test_LIVE_STREAMS(self):
+        """Half of them in H.264."""
         sockets = []
-        with self.rises("LIVE_ENCODERS") as most:
-            statuses = [self.open_live(sockets, f"ts?bitrate={100 + i}")
+        with self.rises("LIVE_STREAMS") as most:
+            statuses = [self.open_live(sockets, f"ts?bitrate={100 + i}"
+                                       if i % 2 else f"mjpeg?quality={1 + i}")
                         for i in range(most + 1)]
             self.assertEqual(statuses, [200] * most + [503])
             self.close(sockets)

@@ -120,7 +120,7 @@ def round_figures():
         "h264_slow": [180.0, 0, 0, 50.0], "jpeg_32": [9600.0],
         "jpeg_16": [4000.0], "jpeg_8": [2400.0],
         "jpeg_slow": [900.0, 0, 0, 0], "core_ms": [96.0],
-        "h264_core_ms": [4.0], "views": [64.0], "encoders": [32.0],
+        "h264_core_ms": [4.0], "views": [64.0], "streams": [64.0],
         "pixels": [2.0 ** 26], "kbps": [5000.0], "jpeg_kb": [80.0, 50.0, 100.0],
         "traffic_ms": [9.0, 9.0, 1.0, 2.0], "live_hz": [240.0], "set_s": [3.6],
         "set_kb": [400.0], "exr_ms": [180.0]})
@@ -153,9 +153,9 @@ class Formulas(unittest.TestCase):
         self.assertEqual(self.model.most_rate(HD, "jpeg"), 240)
 
     def test_places(self):
-        self.assertEqual([self.model.places(s, c) for s, c in (
-            (HD, "h264"), (HD, "jpeg"), (FULL, "jpeg"), (UHD, "h264"))],
-            [32, 64, 32, 8])
+        self.assertEqual([self.model.places(s) for s in (
+            HD, FULL, UHD)],
+            [64, 32, 8])
 
     def test_what_fills_a_machine(self):
         n = self.need(100)  # 2,500 pictures, 0.25 device, 12.5 cores
@@ -164,7 +164,7 @@ class Formulas(unittest.TestCase):
         self.assertAlmostEqual(n.software, 250)
         self.assertEqual(n.bits, 500e6)
         # Places 3.125, device 0.5, cores 0.625, network exactly 1.
-        self.assertEqual((n.machines, n.next_machines, n.states), (4, 1, 2))
+        self.assertEqual((n.machines, n.next_machines, n.states), (2, 1, 2))
         self.assertEqual(n.order[:2], ["a daemon's places", "the network"])
         busy = self.need(100, traffic=True)  # 2,500 · 3 ms = 7.5, by 0.5
         self.assertEqual((busy.machines, busy.order[0]), (15, "the device"))
@@ -176,7 +176,7 @@ class Formulas(unittest.TestCase):
 
     def test_cost(self):
         price = {"machine": 1, "device": 2, "core": 0.1}
-        self.assertAlmostEqual(self.need(100).cost(price), 4 * 7)
+        self.assertAlmostEqual(self.need(100).cost(price), 2 * 7)
 
     def test_viewers(self):
         v = Viewers(self.model, 20, HD, 1000, 1e9, 0.5)

@@ -17,7 +17,7 @@
 #define PEL_JOBS_MORE 4   /* more for each other */
 #define PEL_MAX_DRAWING 2 /* live jobs between start and pixels */
 #define PEL_MAX_REQUESTS PEL_BOUND_PICTURES
-#define PEL_MAX_STREAMS 64
+#define PEL_MAX_STREAMS PEL_BOUND_LIVE_STREAMS
 #define PEL_MAX_SUBSCRIPTIONS 256
 #define PEL_MAX_SURFACE_QUERIES PEL_BOUND_SURFACE_QUERIES
 #define PEL_MAX_OPTICS_QUERIES PEL_BOUND_OPTICS_QUERIES
@@ -250,7 +250,6 @@ void pel_set_begin(struct pel_frame_set *set);
 
 #define PEL_LIVE_PIXELS                                                        \
     ((uint64_t)PEL_BOUND_LIVE_PIXELS) /* of all streams together */
-#define PEL_LIVE_ENCODERS PEL_BOUND_LIVE_ENCODERS
 
 /* --- live.c -------------------------------------------------------------- */
 

@@ -182,21 +182,21 @@ static enum pel_err check_budget(struct pel_frames *frames, const char *view,
 {
     const struct pel_snapshot *s = pel_shown_snapshot(frames);
     uint64_t asked = pel_live_pixels(s, view, profile), taken = 0;
-    unsigned encoders = 0;
+    unsigned streams = 0;
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {
         const struct pel_stream *stream = &frames->streams[i];
         if (stream->serial && stream != instead) {
             taken += pel_live_pixels(s, stream->view, &stream->profile);
-            encoders += stream->track != NULL;
+            streams++;
         }
     }
     pel_snapshot_unref(s);
     char message[160];
-    if (profile->codec == PEL_CODEC_H264 && encoders >= PEL_LIVE_ENCODERS) {
+    if (streams == PEL_MAX_STREAMS) {
         snprintf(message, sizeof message,
-                 "all %d encoders of H.264 are taken: watch a view in a "
-                 "profile that somebody watches already",
-                 PEL_LIVE_ENCODERS);
+                 "all %d live views are taken: watch a view in a profile that "
+                 "somebody watches already",
+                 PEL_MAX_STREAMS);
     } else if (taken + asked > PEL_LIVE_PIXELS) {
         snprintf(message, sizeof message,
                  "live views may have %.0f million pixels together, %.1f are "

@@ -10,11 +10,12 @@
  * how long encoders may keep pictures of a renderer that goes; how long a
  * device may take to come back where no other draws, and how often it is asked;
  * where others draw, which wait for the driver meanwhile, half as often each
- * time. */
+ * time; and how long they draw in peace between two pieces of what it held. */
 #define MANY_LOSSES_NS (300 * INT64_C(1000000000))
 #define RELEASE_NS (10 * INT64_C(1000000000))
 #define RETURN_NS (10 * INT64_C(1000000000))
 #define RETURN_ASK_NS INT64_C(100000000)
+#define REST_NS INT64_C(4000000)
 #define RETURN_SELDOM_NS (10 * INT64_C(1000000000))
 /* No device has this number. */
 #define WITHDRAWN "-1"
@@ -99,6 +100,17 @@ static bool wait_unused(struct pel_renderloop *loop)
         pel_renderloop_progress(loop);
     }
     return pel_renderer_unused(loop->renderer);
+}
+
+/* While peers draw, which wait for the driver with each piece. */
+static void rest(void *user)
+{
+    struct pel_renderloop *loop = user;
+    if (!atomic_load(&loop->software) && !atomic_load(&loop->stop) &&
+        pel_renderloop_pass_on(loop)) {
+        pel_renderloop_progress(loop);
+        wait_ns(loop, REST_NS);
+    }
 }
 
 /* A renderer on hardware where hardware was before, while there is a hope. */
@@ -214,7 +226,7 @@ void pel_loss_recover(struct pel_renderloop *loop)
     atomic_store(&loop->standing, false);
     bool peers = pel_renderloop_pass_on(loop);
     if (wait_unused(loop)) {
-        pel_renderer_destroy(loop->renderer);
+        pel_renderer_leave(loop->renderer, rest, loop);
     } /* else it is left: its memory is still read */
     loop->renderer = NULL;
     if (loop->options.lose_for_good) {

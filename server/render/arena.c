@@ -1,6 +1,5 @@
 #include "render/arena.h"
 
-#include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -79,9 +78,8 @@ void pel_arena_end(struct pel_arena *a)
     a->fences[a->part] = glFenceSync(GL_SYNC_GPU_COMMANDS_COMPLETE, 0);
 }
 
-/* Its place in the buffer; false: there is no room. */
-static bool put(struct pel_arena *a, const void *data, size_t size,
-                size_t *offset)
+bool pel_arena_put(struct pel_arena *a, const void *data, size_t size,
+                   size_t *offset)
 {
     size_t start = (a->used + a->alignment - 1) / a->alignment * a->alignment;
     if (start + size > a->capacity) {
@@ -99,7 +97,7 @@ size_t pel_arena_bind(struct pel_arena *a, GLenum target, GLuint index,
                       const void *data, size_t size)
 {
     size_t offset = 0;
-    if (put(a, data, size, &offset)) {
+    if (pel_arena_put(a, data, size, &offset)) {
         glBindBufferRange(target, index, a->buffer, (GLintptr)offset,
                           (GLsizeiptr)size);
     }
@@ -110,7 +108,7 @@ void pel_arena_texels(struct pel_arena *a, GLuint texture, GLuint unit,
                       const void *data, size_t size)
 {
     size_t offset = 0;
-    if (put(a, data, size, &offset)) {
+    if (pel_arena_put(a, data, size, &offset)) {
         glTextureBufferRange(texture, GL_RGBA32F, a->buffer, (GLintptr)offset,
                              (GLsizeiptr)size);
         glBindTextureUnit(unit, texture);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <epoxy/gl.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #include "base/err.h"
@@ -26,6 +27,11 @@ void pel_arena_finish(struct pel_arena *a);
  * longer reads its part. */
 PEL_CHECK enum pel_err pel_arena_begin(struct pel_arena *a, size_t capacity);
 void pel_arena_end(struct pel_arena *a);
+
+/* Copies data in: its offset in the buffer; false, and an error is logged: the
+ * room that pel_arena_begin reserved is used up. */
+bool pel_arena_put(struct pel_arena *a, const void *data, size_t size,
+                   size_t *offset);
 
 /* Copies data in and binds it to an indexed target (GL_UNIFORM_BUFFER or
  * GL_SHADER_STORAGE_BUFFER). The room was reserved by pel_arena_begin.

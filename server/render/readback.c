@@ -43,6 +43,26 @@ enum pel_err pel_readback_init(struct pel_readback *r)
     return PEL_OK;
 }
 
+/* No picture is in it. */
+static void drop_buffer(struct pel_readback_slot *slot)
+{
+    glDeleteBuffers(1, &slot->buffer);
+    slot->buffer = 0;
+    slot->map = NULL;
+    slot->capacity = 0;
+}
+
+bool pel_readback_give_one(struct pel_readback *r)
+{
+    for (size_t i = 0; r->slots && i < PEL_READBACK_SLOTS; i++) {
+        if (r->slots[i].buffer) {
+            drop_buffer(&r->slots[i]);
+            return true;
+        }
+    }
+    return false;
+}
+
 void pel_readback_finish(struct pel_readback *r)
 {
     if (!r->slots) {
@@ -77,10 +97,7 @@ static void trim(struct pel_readback *r)
         if (slot->capacity > KEPT_BYTES &&
             r->pushed - slot->filled_at > PASSED_BY &&
             !atomic_load_explicit(&slot->busy, memory_order_acquire)) {
-            glDeleteBuffers(1, &slot->buffer);
-            slot->buffer = 0;
-            slot->map = NULL;
-            slot->capacity = 0;
+            drop_buffer(slot);
         }
     }
 }

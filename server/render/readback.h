@@ -38,6 +38,8 @@ struct pel_readback_source {
 
 PEL_CHECK enum pel_err pel_readback_init(struct pel_readback *r);
 void pel_readback_finish(struct pel_readback *r);
+/* Gives one buffer back, which no picture is in; false: there is none left. */
+bool pel_readback_give_one(struct pel_readback *r);
 
 /* Queues the copies and a fence; BUSY when no slot is free. Bands of a picture
  * come from the top to the bottom, of one picture at a time; it is in flight

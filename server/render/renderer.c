@@ -104,49 +104,71 @@ fail:
     return err;
 }
 
-void pel_renderer_destroy(struct pel_renderer *r)
+/* What the device holds, piece by piece. */
+static void give_back(struct pel_renderer *r, void (*rest)(void *), void *user)
+{
+#define GIVE(call) ((call), rest(user))
+    while (pel_readback_give_one(&r->readback)) {
+        rest(user);
+    }
+    GIVE(pel_readback_finish(&r->readback));
+    GIVE(pel_arena_finish(&r->arena));
+    GIVE(pel_sky_finish(&r->sky));
+    GIVE(pel_space_map_finish(&r->space));
+    GIVE(pel_targets_finish(&r->targets));
+    GIVE(pel_programs_finish(&r->programs));
+    GIVE(pel_meter_finish(&r->meter));
+    GIVE(pel_together_finish(&r->together));
+    GIVE(pel_ycbcr_finish(&r->ycbcr));
+    GIVE(pel_sensing_finish(&r->sensing));
+    GIVE(pel_prober_finish(&r->prober));
+    GIVE(pel_water_prober_finish(&r->water_prober));
+    GIVE(pel_objects_finish(&r->objects));
+    GIVE(pel_seabed_map_finish(&r->seabed));
+    GIVE(pel_wavefield_finish(&r->wavefield));
+    GIVE(pel_foam_map_finish(&r->foam));
+    GIVE(pel_cloud_map_finish(&r->clouds));
+    GIVE(pel_fall_map_finish(&r->falls));
+    GIVE(pel_pane_map_finish(&r->panes));
+    GIVE(pel_lamp_map_finish(&r->lamps));
+    GIVE(pel_lamp_glow_finish(&r->glows));
+    GIVE(pel_acuity_finish(&r->acuity));
+    GIVE(pel_under_map_finish(&r->under));
+    GIVE(pel_mote_map_finish(&r->motes));
+    GIVE(pel_wake_map_finish(&r->wakes));
+    GIVE(pel_shore_map_finish(&r->shore));
+    GIVE(glDeleteBuffers(1, &r->vertices));
+    GIVE(glDeleteTextures(1, &r->vertex_texels));
+    GIVE(pel_sea_texels_finish(&r->tables));
+    GIVE(glDeleteVertexArrays(1, &r->vao));
+    GIVE(pel_stage_timer_finish(&r->timing));
+#undef GIVE
+}
+
+void pel_renderer_leave(struct pel_renderer *r, void (*rest)(void *),
+                        void *user)
 {
     if (!r) {
         return;
     }
     const bool counted = r->context.context && !r->context.software;
     if (r->context.context) {
-        pel_readback_finish(&r->readback);
-        pel_arena_finish(&r->arena);
-        pel_sky_finish(&r->sky);
-        pel_space_map_finish(&r->space);
-        pel_targets_finish(&r->targets);
-        pel_programs_finish(&r->programs);
-        pel_meter_finish(&r->meter);
-        pel_together_finish(&r->together);
-        pel_ycbcr_finish(&r->ycbcr);
-        pel_sensing_finish(&r->sensing);
-        pel_prober_finish(&r->prober);
-        pel_water_prober_finish(&r->water_prober);
-        pel_objects_finish(&r->objects);
-        pel_seabed_map_finish(&r->seabed);
-        pel_wavefield_finish(&r->wavefield);
-        pel_foam_map_finish(&r->foam);
-        pel_cloud_map_finish(&r->clouds);
-        pel_fall_map_finish(&r->falls);
-        pel_pane_map_finish(&r->panes);
-        pel_lamp_map_finish(&r->lamps);
-        pel_lamp_glow_finish(&r->glows);
-        pel_acuity_finish(&r->acuity);
-        pel_under_map_finish(&r->under);
-        pel_mote_map_finish(&r->motes);
-        pel_wake_map_finish(&r->wakes);
-        pel_shore_map_finish(&r->shore);
-        glDeleteBuffers(1, &r->vertices);
-        glDeleteTextures(1, &r->vertex_texels);
-        pel_sea_texels_finish(&r->tables);
-        glDeleteVertexArrays(1, &r->vao);
-        pel_stage_timer_finish(&r->timing);
+        give_back(r, rest, user);
     }
     pel_context_finish(&r->context);
     pel_turn_count(-counted); /* not before: its memory goes by the driver */
     free(r->mesh);
     free(r);
+}
+
+static void no_rest(void *user)
+{
+    (void)user;
+}
+
+void pel_renderer_destroy(struct pel_renderer *r)
+{
+    pel_renderer_leave(r, no_rest, NULL);
 }
 
 const char *pel_renderer_description(const struct pel_renderer *r)

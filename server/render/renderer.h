@@ -38,6 +38,11 @@ PEL_CHECK enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
                                            struct pel_renderer **out,
                                            struct pel_fault *fault);
 void pel_renderer_destroy(struct pel_renderer *r); /* NULL allowed */
+/* The same, and rest(user) between pieces of what the device holds: a driver
+ * that gives memory back lets no other device of the process take commands
+ * meanwhile, and what takes 12 ms at once makes their frames late. */
+void pel_renderer_leave(struct pel_renderer *r, void (*rest)(void *user),
+                        void *user);
 
 /* GL_RENDERER and GL_VERSION in one line; lives as long as the renderer. */
 const char *pel_renderer_description(const struct pel_renderer *r);

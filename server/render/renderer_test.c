@@ -702,6 +702,36 @@ static void a_stop_doubles_the_light(void **state)
 /* --- limits
  * --------------------------------------------------------------------- */
 
+static void count_rest(void *user)
+{
+    ++*(int *)user;
+}
+
+/* As a lost device does while others draw: each buffer of pixels is a piece of
+ * its own, and a renderer made after it draws as before. */
+static void leaves_in_pieces(void **state)
+{
+    (void)state;
+    use_renderer(NULL);
+    test_sea(9.0, 0.0, 4, &sea);
+    const struct pel_environment env = test_environment(&sea, 3.0);
+    const struct pel_camera camera =
+        test_camera((struct test_look){ 9, 0, -8, 0, 60, 64, 40 });
+    struct pel_picture *p = test_draw(renderer, &env, &camera, TEST_ALL_LAYERS);
+    struct copy before = copy_of(p);
+    pel_picture_release(p);
+    int unused = 0, used = 0;
+    pel_renderer_leave(renderer, count_rest, &used);
+    pel_renderer_leave(test_renderer(NULL), count_rest, &unused);
+    assert_true(unused >= 20);
+    assert_int_equal(used, unused + 1);
+    renderer = test_renderer(NULL);
+    p = test_draw(renderer, &env, &camera, TEST_ALL_LAYERS);
+    assert_same(p, &before.picture);
+    pel_picture_release(p);
+    free(before.pixels);
+}
+
 static void *release_all(void *user)
 {
     struct pel_picture **pictures = user;
@@ -764,6 +794,7 @@ int main(void)
         cmocka_unit_test(nothing_pops_when_the_camera_moves),
         cmocka_unit_test(a_stop_doubles_the_light),
         cmocka_unit_test(full_is_busy_until_released),
+        cmocka_unit_test(leaves_in_pieces),
     };
     return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
 }

@@ -11,9 +11,10 @@
 #include "render/spacepass.h"
 #include "render/uniforms.h"
 
-/* Of views that are drawn together, unless one alone has more: by then the
- * device is busy, and a pixel takes 40 bytes of its memory. */
-#define MOST_PIXELS ((size_t)4 << 20)
+/* Of views that are drawn together, unless one alone has more: by then a large
+ * device is busy and several wait less for each other's commands, and a pixel
+ * takes 40 bytes of its memory. */
+#define MOST_PIXELS ((size_t)8 << 20)
 /* Parts of lists begin on cache lines. */
 #define PIXEL_ALIGN 64
 /* What does not need a quarter of the memory this often in a row gives it back.
@@ -288,31 +289,6 @@ static void fit_planes(struct pel_renderer *r)
     }
 }
 
-enum pel_err pel_together_reserve(struct pel_renderer *r)
-{
-    struct pel_together *t = &r->together;
-    const struct pel_view_together *last = &t->views[t->count - 1];
-    enum pel_err err = reserve_slots(r);
-    if (err == PEL_OK) {
-        fit_pixels(t, last->first_pixel + pixels_of(last), last->margin > 0);
-        fit_vertices(t,
-                     last->first_vertex + (size_t)last->mesh.vertex_count + 1);
-        fit_planes(r);
-    }
-    return err;
-}
-
-void pel_together_finish(struct pel_together *t)
-{
-    drop_memory(t);
-    glDeleteProgram(t->search);
-    glDeleteProgram(t->find);
-    glDeleteProgram(t->outline);
-    glDeleteProgram(t->clear);
-    free(t->views);
-    *t = (struct pel_together){ 0 };
-}
-
 /* --- what the shaders read ------------------------------------------------ */
 
 static void fill(const struct pel_view_together *v, size_t first_ring,
@@ -343,32 +319,35 @@ static void fill(const struct pel_view_together *v, size_t first_ring,
     }
 }
 
-/* Rings of all meshes, one after the other. */
-static void bind_rings(struct pel_renderer *r, size_t first[PEL_TOGETHER_MOST])
+/* Rings of all meshes, one after the other: where those of each begin. */
+static bool place_rings(struct pel_renderer *r, size_t first[PEL_TOGETHER_MOST])
 {
-    const struct pel_together *t = &r->together;
-    size_t from = 0, end = 0;
+    struct pel_together *t = &r->together;
+    size_t end = 0;
     for (size_t i = 0; i < t->count; i++) {
         const struct pel_mesh *m = &t->views[i].mesh;
+        size_t at = 0;
         size_t bytes =
             sizeof *m->rings * (size_t)(m->ring_count > 0 ? m->ring_count : 1);
-        size_t at = pel_arena_bind(&r->arena, GL_SHADER_STORAGE_BUFFER,
-                                   PEL_STORE_RINGS, m->rings, bytes);
-        from = i == 0 ? at : from;
+        if (!pel_arena_put(&r->arena, m->rings, bytes, &at)) {
+            return false;
+        }
+        t->rings_at = i == 0 ? at : t->rings_at;
+        first[i] = (at - t->rings_at) / sizeof *m->rings;
         end = at + bytes;
-        first[i] = (at - from) / sizeof *m->rings;
     }
-    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, PEL_STORE_RINGS,
-                      r->arena.buffer, (GLintptr)from,
-                      (GLsizeiptr)(end - from));
+    t->rings_bytes = end - t->rings_at;
+    return true;
 }
 
-static void bind_views(struct pel_renderer *r)
+static bool place_views(struct pel_renderer *r)
 {
     struct pel_together *t = &r->together;
     struct pel_block_together block = { 0 };
     size_t rings[PEL_TOGETHER_MOST];
-    bind_rings(r, rings);
+    if (!place_rings(r, rings)) {
+        return false;
+    }
     for (size_t i = 0; i < t->count; i++) {
         const struct pel_camera *c = &t->views[i].draw.camera;
         fill(&t->views[i], rings[i],
@@ -377,16 +356,58 @@ static void bind_views(struct pel_renderer *r)
                  : pel_readback_ev_offset(t->slots[i]) / sizeof(float),
              &block.together[i]);
     }
-    pel_view_bind(r, PEL_BLOCK_VIEW, &block, sizeof block);
+    return pel_arena_put(&r->arena, &block, sizeof block, &t->views_at);
+}
+
+enum pel_err pel_together_reserve(struct pel_renderer *r)
+{
+    struct pel_together *t = &r->together;
+    const struct pel_view_together *last = &t->views[t->count - 1];
+    enum pel_err err = reserve_slots(r);
+    if (err == PEL_OK) {
+        fit_pixels(t, last->first_pixel + pixels_of(last), last->margin > 0);
+        fit_vertices(t,
+                     last->first_vertex + (size_t)last->mesh.vertex_count + 1);
+        fit_planes(r);
+        if (!place_views(r)) {
+            pel_readback_unreserve(t->slots, t->count);
+            err = PEL_ERR_NO_MEMORY;
+        }
+    }
+    return err;
+}
+
+void pel_together_finish(struct pel_together *t)
+{
+    drop_memory(t);
+    glDeleteProgram(t->search);
+    glDeleteProgram(t->find);
+    glDeleteProgram(t->outline);
+    glDeleteProgram(t->clear);
+    free(t->views);
+    *t = (struct pel_together){ 0 };
+}
+
+/* --- drawing -------------------------------------------------------------- */
+
+static void bind_views(struct pel_renderer *r)
+{
+    const struct pel_together *t = &r->together;
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, PEL_STORE_RINGS,
+                      r->arena.buffer, (GLintptr)t->rings_at,
+                      (GLsizeiptr)t->rings_bytes);
+    glBindBufferRange(GL_UNIFORM_BUFFER, PEL_BLOCK_VIEW, r->arena.buffer,
+                      (GLintptr)t->views_at, sizeof(struct pel_block_together));
     if (t->any_planes) {
         pel_ycbcr_begin(&r->ycbcr, t->planes, t->count);
         return;
     }
+    GLuint pictures[PEL_TOGETHER_MOST];
     for (size_t i = 0; i < PEL_TOGETHER_MOST; i++) {
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER,
-                         PEL_STORE_PICTURES + (GLuint)i,
-                         pel_readback_buffer(t->slots[i < t->count ? i : 0]));
+        pictures[i] = pel_readback_buffer(t->slots[i < t->count ? i : 0]);
     }
+    glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_PICTURES,
+                      PEL_TOGETHER_MOST, pictures);
 }
 
 /* Exposures; the eye of their meter and its tables are bound. */

@@ -29,6 +29,8 @@ struct pel_together {
     struct pel_readback_slot *slots[PEL_TOGETHER_MOST];
     struct pel_ycbcr_view planes[PEL_TOGETHER_MOST];
     bool any_planes;
+    /* Where what their shaders read is in the arena, from then, too. */
+    size_t views_at, rings_at, rings_bytes;
 };
 
 /* Whether this view of an environment is drawn so: the open sea by day, its
@@ -50,9 +52,9 @@ size_t pel_together_plan(struct pel_renderer *r,
                          const struct pel_environment *env,
                          const struct pel_draw *draws, size_t count);
 
-/* Memory of the device and of the host for those planned. It may take the
- * driver a millisecond a view, and is not for a device's turn (render/turn.h).
- * NO_MEMORY. */
+/* Memory of the device and of the host for those planned, and what shaders read
+ * of them in its place. It may take the driver a millisecond a view, and is not
+ * for a device's turn (render/turn.h). NO_MEMORY. */
 PEL_CHECK enum pel_err pel_together_reserve(struct pel_renderer *r);
 
 /* Draws what memory was reserved for and begins to read it back. */

@@ -76,12 +76,17 @@ void pel_ycbcr_fit(struct pel_ycbcr_pass *p, struct pel_ycbcr_view *views,
 void pel_ycbcr_begin(struct pel_ycbcr_pass *p,
                      const struct pel_ycbcr_view *views, size_t count)
 {
+    GLuint buffers[PEL_TOGETHER_MOST];
+    GLintptr at[PEL_TOGETHER_MOST];
+    GLsizeiptr bytes[PEL_TOGETHER_MOST];
     for (size_t i = 0; i < PEL_TOGETHER_MOST; i++) {
         const struct pel_ycbcr_view *v = &views[i < count ? i : 0];
-        glBindBufferRange(
-            GL_SHADER_STORAGE_BUFFER, PEL_STORE_PICTURES + (GLuint)i, p->colors,
-            (GLintptr)v->at, (GLsizeiptr)(pixel_bytes(v) + sizeof(float)));
+        buffers[i] = p->colors;
+        at[i] = (GLintptr)v->at;
+        bytes[i] = (GLsizeiptr)(pixel_bytes(v) + sizeof(float));
     }
+    glBindBuffersRange(GL_SHADER_STORAGE_BUFFER, PEL_STORE_PICTURES,
+                       PEL_TOGETHER_MOST, buffers, at, bytes);
 }
 
 static void dispatch(const struct pel_ycbcr_view *views, size_t count)
@@ -99,6 +104,7 @@ void pel_ycbcr_end(struct pel_ycbcr_pass *p, const struct pel_ycbcr_view *views,
                    size_t count)
 {
     GLuint of[PEL_TOGETHER_MOST][4] = { 0 }, forms[PEL_TOGETHER_MOST] = { 0 };
+    GLuint buffers[PEL_TOGETHER_MOST];
     for (size_t i = 0; i < PEL_TOGETHER_MOST; i++) {
         const struct pel_ycbcr_view *v = &views[i < count ? i : 0];
         of[i][0] = v->width;
@@ -106,10 +112,10 @@ void pel_ycbcr_end(struct pel_ycbcr_pass *p, const struct pel_ycbcr_view *views,
         of[i][2] = (GLuint)(v->at / 4);
         of[i][3] = (GLuint)(pel_readback_ev_offset(v->slot) / 4);
         forms[i] = (GLuint)v->form;
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER,
-                         PEL_STORE_PICTURES + (GLuint)i,
-                         pel_readback_buffer(v->slot));
+        buffers[i] = pel_readback_buffer(v->slot);
     }
+    glBindBuffersBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_PICTURES,
+                      PEL_TOGETHER_MOST, buffers);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_COLORS, p->colors);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     glUseProgram(p->together);

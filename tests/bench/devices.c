@@ -407,8 +407,9 @@ static double measure_drawn(const char *list)
     for (int i = 1; i < count; i++) {
         alike = alike && drawers[i].bits == drawers[0].bits;
     }
-    printf(": %.0f pictures/s, first pictures %s\n", (double)sum / seconds,
-           alike ? "the same to the bit" : "DIFFER");
+    printf(": %.0f pictures/s, first pictures %s (%016llx)\n",
+           (double)sum / seconds, alike ? "the same to the bit" : "DIFFER",
+           (unsigned long long)drawers[0].bits);
     say_busy(before, names, seconds);
     fflush(stdout);
     atomic_store(&drawing, false);

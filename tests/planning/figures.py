@@ -13,7 +13,7 @@ BENCH, CLUSTER = "docs/benchmarks.md", "docs/cluster.md"
 BOUNDS = "proto/bounds.def"
 GPUS, GPU = "Several GPUs of one host", "On a GPU"
 N = r"([\d.,]*\d)"
-# The newest of that section's tables.
+# A table of that section that has H100, too.
 SINCE = r"Since then \(`bench_devices`(?s:.*?)"
 
 
@@ -23,12 +23,18 @@ def cell(row, column):
         + " " + N
 
 
+def newest(row):
+    """One, two and four devices by the newest of them."""
+    return r"\| now \|(?s:.*?)" + rf"\n\| {row}[^|\n]*\|" \
+        + r"[^|\n]*\|".join([" " + N] * 3)
+
+
 def bound(name):
     return rf"PEL_BOUND\(\s*{name}, " + N
 
 
 # The columns of that table.
-H100, TWO_H100, H200, TWO_H200, FOUR_H200 = 1, 2, 3, 4, 5
+H100, TWO_H100, H200 = 1, 2, 3
 SMALL, LARGE = "64 views 1280×720, drawn", "12 views 3840×2160, drawn"
 LIVE = "64 views 1280×720, JPEG, live"
 
@@ -37,8 +43,6 @@ LIVE = "64 views 1280×720, JPEG, live"
 SOURCES = {
     # Drawing.
     "drawn_720": (BENCH, GPUS, cell(SMALL, H100)),
-    "drawn_720_two": (BENCH, GPUS, cell(SMALL, TWO_H100)),
-    "drawn_720_four": (BENCH, GPUS, cell(SMALL, FOUR_H200)),
     "drawn_2160": (BENCH, GPUS, cell(LARGE, H100)),
     "drawn_2160_h200": (BENCH, GPUS, cell(LARGE, H200)),
     "core_ms": (BENCH, GPU, r"lace, relief(?s:.*?): \d+ and " + N
@@ -53,8 +57,10 @@ SOURCES = {
                  rf"64 of 1280×720, views a second \| {N} → {N} "),
     # Drawn and encoded, end to end.
     "jpeg_32": (BENCH, GPUS, cell(LIVE, H100)),
-    "jpeg_two": (BENCH, GPUS, cell(LIVE, TWO_H100)),
-    "jpeg_four": (BENCH, GPUS, cell(LIVE, FOUR_H200)),
+    # One, two and four H200 of one host.
+    "drawn_by": (BENCH, GPUS, newest("64 views 1280×720, drawn")),
+    "jpeg_by": (BENCH, GPUS, newest("64 views 1280×720, JPEG")),
+    "h264_by": (BENCH, GPUS, newest("64 views 1280×720, H.264")),
     "jpeg_16": (BENCH, GPUS, cell("– 16 of the cores", H100)),
     "jpeg_8": (BENCH, GPUS, cell("– 8 of the cores", H100)),
     "h264_32": (BENCH, GPUS, cell("32 views 1280×720, H.264, live", H100)),
@@ -66,8 +72,6 @@ SOURCES = {
                                         TWO_H100)),
     "jpeg_slow": (BENCH, GPU, rf"as JPEG {N}, {N}, {N}, {N};"),
     "h264_slow": (BENCH, GPU, rf"; as H\.264 {N}, {N}, {N}, {N}\. There"),
-    "processes": (BENCH, GPUS, r"four processes with a device each draw "
-                  rf"{N}, {N}, {N} and {N},"),
     # Encoding alone, and what it makes.
     "h264_core_ms": (BENCH, GPU, r"H\.264 \(x264\) \| [^|]*\| [^|]*quiet "
                      + N + r" \|"),
@@ -102,7 +106,7 @@ SOURCES = {
     "views": (BOUNDS, None, bound("VIEWS")),
     "entities": (BOUNDS, None, bound("ENTITIES")),
     "pixels": (BOUNDS, None, bound("LIVE_PIXELS")),
-    "encoders": (BOUNDS, None, bound("LIVE_ENCODERS")),
+    "streams": (BOUNDS, None, bound("LIVE_STREAMS")),
     "loopback": (BOUNDS, None, bound("HTTP_PER_LOOPBACK")),
     "source": (BOUNDS, None, bound("HTTP_PER_SOURCE")),
     "rtsp": (BOUNDS, None, bound("RTSP_CLIENTS")),

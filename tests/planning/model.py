@@ -65,11 +65,12 @@ class Model:
         return min(self.figures["live_hz"].value,
                    self.alone[codec] / self.size(size))
 
-    def places(self, size, codec):
-        """Live views of a daemon: its views, its pixels, its encoders."""
+    def places(self, size):
+        """Live views of a daemon, each another view: by its views, its live
+        views, its pixels."""
         f = self.figures
-        most = min(f["views"].value, f["pixels"].value // (size[0] * size[1]))
-        return int(min(most, f["encoders"].value) if codec == "h264" else most)
+        return int(min(f["views"].value, f["streams"].value,
+                       f["pixels"].value // (size[0] * size[1])))
 
     def bits(self, size, codec, rate):
         """Of one view to one viewer, bit/s. H.264: the daemon's default."""
@@ -92,7 +93,7 @@ class Need:
             model.traffic_s(size) if traffic else model.device_s(size))
         self.cores = model.cores(self.pictures, size, codec)
         self.software = model.software_cores(self.pictures, size)
-        self.places = model.places(size, codec)
+        self.places = model.places(size)
         self.daemons = up(cameras / self.places)
         self.bits = cameras * model.bits(size, codec, rate)
         # All of one state, so of one exercise.

@@ -137,8 +137,8 @@ class Page:
             ["e", f"{say(self.of('h264_core_ms'))} ms of a core, {NAMES[HD]}",
              "measured, x264", f"{source(f['h264_core_ms'])}; the same"],
             [", ".join(say(self.of(k)) for k in ("views", "pixels",
-                                                  "encoders")),
-             "views, pixels, encoders", "limits",
+                                                  "streams")),
+             "views, pixels, live views", "limits",
              "[manual, Limits](../proto/manual.md#limits)"],
             ["b, H.264",
              f"{say(self.of('kbps') / K)} Mbit/s · (p / 921,600)^0.75",
@@ -215,21 +215,20 @@ class Page:
             "loopback_live": say(int(self.of("loopback") * share)),
             "rtsp": say(self.of("rtsp")),
             "views": say(self.of("views")),
-            "encoders": say(self.of("encoders")),
+            "streams": say(self.of("streams")),
             "pixels": say(self.of("pixels")),
             "pays": say(self.pays()), "slower": say(self.slower()),
             "mpixels": say(self.of("pixels") / M),
-            "n2_h264": say(n[2].machines), "n2_jpeg": say(jpeg[2].machines),
+            "n2_h264": say(n[2].machines),
             "place_device": percent(place.devices),
             "place_cores": say(place.cores),
             "n3_gbit": say(jpeg[3].bits / G),
             "n4_h264": say(n[4].machines), "n4_jpeg": say(jpeg[4].machines),
             "n4_logs": say(n[4].states), "n4_mbit": say(n[4].bits / G),
             "n4_jpeg_gbit": say(jpeg[4].bits / G),
-            "processes": say(min(f["processes"].values)),
-            **{k: say(f[k].value) for k in (
-                "drawn_720", "drawn_720_two", "drawn_720_four", "jpeg_32",
-                "jpeg_two", "jpeg_four")}}
+            **{f"{k}_{n}": say(self.of(k, i))
+               for k in ("drawn_by", "jpeg_by", "h264_by")
+               for i, n in enumerate((1, 2, 4))}}
 
     def slower(self):
         """Times that a picture with traffic takes the device."""
