@@ -39,7 +39,7 @@ TEST_PACKAGES := gmt-gshhg-low gstreamer1.0-tools glib-networking gdal-bin gpsd-
     python3-wheel openexr chromium \
     slurm-wlm munge nginx-light haproxy openssl mypy clang \
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
-    tshark python3-yaml iproute2 nftables etcd-server etcd-client python3-gi gir1.2-gst-plugins-bad-1.0 $(SITE_PACKAGES) $(DEB_PACKAGES) \
+    tshark python3-yaml iproute2 nftables etcd-server etcd-client python3-gi gir1.2-gst-plugins-bad-1.0 coturn $(SITE_PACKAGES) $(DEB_PACKAGES) \
     python3-nbclient python3-ipykernel python3-matplotlib \
     colcon python3-colcon-ros python3-ament-package python3-genmsg python3-nav-msgs \
     python3-rosgraph-msgs python3-sensor-msgs python3-tf2-msgs
@@ -664,9 +664,10 @@ dataset-check: deps ## 200 shards of 50 frames, undisturbed and with 30 kills: e
 	    /usr/bin/python3 -B tests/dataset_test.py Sets
 
 .PHONY: viewers-check
-viewers-check: deps ## HLS to READERS (500) by two edges and HAProxy, one of which is killed
+viewers-check: deps ## HLS to READERS (500) by two edges, one of which is killed; WebRTC by STUN and TURN
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)READERS=$(or $(READERS),500) PLAY_S=60 /usr/bin/python3 -B tests/viewers_test.py
+	$(Q)/usr/bin/python3 -B tests/whep/ways.py
 
 # Random walks (docs/machines.md).
 WALKS := $(addprefix $(O)/bin/,machines_test session_walk_test credit_walk_test places_test)

@@ -4,6 +4,7 @@ import random
 import re
 import socket
 import threading
+import time
 
 import gi
 
@@ -24,15 +25,15 @@ DECODE = ("queue ! rtph264depay ! h264parse ! openh264dec ! videoconvert ! "
 class Player:
     """Makes an offer; `answered(sdp)` connects; frames() takes pictures."""
 
-    def __init__(self, asks_again=False):
-        """asks_again: for lost packets (NACK, RTX)."""
+    def __init__(self, asks_again=False, address="127.0.0.1"):
+        """asks_again: for lost packets (NACK, RTX); address: its own."""
         self.pipeline = Gst.Pipeline()
         self.web = Gst.ElementFactory.make("webrtcbin")
         self.web.set_property("bundle-policy", "max-bundle")
         self.pipeline.add(self.web)
         # Loopback, which ICE leaves out where it is not told so.
         self.ice = self.web.get_property("ice-agent")
-        self.ice.emit("add-local-ip-address", "127.0.0.1")
+        self.ice.emit("add-local-ip-address", address)
         self.agent = self.ice.get_property("agent")
         self.agent.set_property("upnp", False)
         self.out = self.last = None
@@ -61,6 +62,14 @@ class Player:
                   GstWebRTC.WebRTCSessionDescription.new(
                       GstWebRTC.WebRTCSDPType.OFFER, sdp))
         return text
+
+    def gathered(self):
+        """The offer with all candidates, once they are there."""
+        self.offer()
+        complete = GstWebRTC.WebRTCICEGatheringState.COMPLETE
+        while self.web.get_property("ice-gathering-state") != complete:
+            time.sleep(0.01)
+        return self.web.get_property("local-description").sdp.as_text()
 
     def answered(self, text):
         _, sdp = GstSdp.SDPMessage.new_from_text(text)

@@ -1,6 +1,7 @@
 /* Offers of WebRTC peers, answered when terms are named; and their ends. */
 #include "net/http_client.h"
 
+#include <arpa/inet.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -41,10 +42,24 @@ static enum MHD_Result end(struct client *client,
     return pel_http_send_fault(client, 0, &fault);
 }
 
+/* NULL: this machine. */
+static const char *asker(const struct client *client,
+                         char out[INET6_ADDRSTRLEN])
+{
+    const struct in6_addr *a = &client->source.address;
+    if (client->source.loopback) {
+        return NULL;
+    }
+    return IN6_IS_ADDR_V4MAPPED(a)
+               ? inet_ntop(AF_INET, &a->s6_addr[12], out, INET6_ADDRSTRLEN)
+               : inet_ntop(AF_INET6, a, out, INET6_ADDRSTRLEN);
+}
+
 enum MHD_Result pel_http_send_whep(struct client *client,
                                    struct pel_http_answer *answer)
 {
     struct pel_fault fault;
+    char from[INET6_ADDRSTRLEN];
     if (answer->kind == PEL_HTTP_WHEP_END) {
         return end(client, answer);
     }
@@ -53,6 +68,7 @@ enum MHD_Result pel_http_send_whep(struct client *client,
         .profile = answer->profile,
         .offer = client->body ? client->body->str : "",
         .offer_size = client->body ? client->body->len : 0,
+        .from = asker(client, from),
     };
     struct waiter *waiter = pel_http_wait_begin(client);
     enum pel_err err =

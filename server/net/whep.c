@@ -329,6 +329,9 @@ enum pel_err pel_whep_ask(struct pel_whep *whep,
         g_free(s);
         return err;
     }
+    if (wish->from) {
+        pel_whep_offer_add_asker(&s->offer, wish->from);
+    }
     g_strlcpy(s->view, wish->view, sizeof s->view);
     s->profile = wish->profile;
     s->done = done;

@@ -31,6 +31,7 @@ struct pel_whep_wish {
     struct pel_profile profile; /* H.264 */
     const char *offer;          /* SDP */
     size_t offer_size;
+    const char *from; /* the numeric address of who asks; NULL: not known */
 };
 
 /* Called once, later; answer and id NULL with an error. */

@@ -392,6 +392,15 @@ static const char *mid_of(const struct pel_whep_offer *offer)
     return mid[0] ? mid : "video";
 }
 
+void pel_whep_offer_add_asker(struct pel_whep_offer *offer, const char *address)
+{
+    if (offer->candidate_count < PEL_WHEP_CANDIDATES) {
+        char *to = offer->candidates[offer->candidate_count++];
+        snprintf(to, sizeof offer->candidates[0], "0 1 UDP 1 %s 9 typ host",
+                 address);
+    }
+}
+
 char *pel_whep_offer_write(const struct pel_whep_offer *offer, bool candidates)
 {
     GString *out = g_string_new(NULL);

@@ -42,6 +42,12 @@ PEL_CHECK enum pel_err pel_whep_offer_read(const char *text, size_t size,
                                            struct pel_whep_offer *out,
                                            struct pel_fault *fault);
 
+/* One more candidate: whoever asked is at this numeric address, at a port that
+ * only his own packets tell. Relays let packets of an address in when they know
+ * of it, and browsers hide theirs. Nothing where there is no room. */
+void pel_whep_offer_add_asker(struct pel_whep_offer *offer,
+                              const char *address);
+
 /* The offer of that one video line alone; g_free(). `candidates`: with those
  * of the peer. */
 char *pel_whep_offer_write(const struct pel_whep_offer *offer, bool candidates);

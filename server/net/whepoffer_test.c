@@ -310,6 +310,22 @@ static void only_what_was_checked_is_written(void **state)
     g_free(text);
 }
 
+static void who_asks_is_a_candidate(void **state)
+{
+    (void)state;
+    good(HEAD MEDIA "a=mid:v\r\n" CANDIDATE);
+    const size_t offered = offer.candidate_count;
+    for (int i = 0; i < PEL_WHEP_CANDIDATES; i++) {
+        pel_whep_offer_add_asker(&offer, "2001:db8::7");
+    }
+    char *text = pel_whep_offer_write(&offer, true);
+    assert_int_equal(offer.candidate_count, PEL_WHEP_CANDIDATES);
+    good(text);
+    assert_int_equal(offer.candidate_count, PEL_WHEP_CANDIDATES);
+    assert_non_null(strstr(offer.candidates[offered], " 2001:db8::7 9 typ"));
+    g_free(text);
+}
+
 static void every_line_is_answered(void **state)
 {
     (void)state;
@@ -349,6 +365,7 @@ int main(void)
         cmocka_unit_test(payload_types),
         cmocka_unit_test(candidates),
         cmocka_unit_test(only_what_was_checked_is_written),
+        cmocka_unit_test(who_asks_is_a_candidate),
         cmocka_unit_test(every_line_is_answered),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

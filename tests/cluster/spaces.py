@@ -19,9 +19,10 @@ def ip(*words, check=True):
 
 
 class Net:
-    """`hub` holds the bridge; each machine has one end of a veth."""
+    """`hub` holds the bridge; each machine has one end of a veth. Two at once
+    have different subnets."""
 
-    def __init__(self, names):
+    def __init__(self, names, subnet=77):
         self.hub = f"{PREFIX}hub"
         self.hosts = {}
         self.spaces = {n: f"{PREFIX}{n}" for n in names}
@@ -29,7 +30,7 @@ class Net:
         self.within(self.hub, "ip", "link", "add", "br0", "type", "bridge")
         self.within(self.hub, "ip", "link", "set", "br0", "up")
         for i, (name, space) in enumerate(self.spaces.items()):
-            self.hosts[name] = f"10.77.0.{i + 1}"
+            self.hosts[name] = f"10.{subnet}.0.{i + 1}"
             ip("netns", "add", space)
             ip("link", "add", "eth0", "netns", space, "type", "veth", "peer",
                "name", f"v{i}", "netns", self.hub)
@@ -45,7 +46,7 @@ class Net:
         ip("link", "add", self.end, "type", "veth", "peer", "name", "vx",
            "netns", self.hub)
         self.within(self.hub, "ip", "link", "set", "vx", "master", "br0", "up")
-        ip("addr", "add", "10.77.0.200/24", "dev", self.end)
+        ip("addr", "add", f"10.{subnet}.0.200/24", "dev", self.end)
         ip("link", "set", self.end, "up")
 
     @staticmethod
