@@ -4,9 +4,13 @@
  * that the state names, and go on with it when they take over. */
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "scene/exerciserun.h"
 #include "scene/scene_parts.h"
+
+/* How often a file that is lacking is looked for: a disk may take its time. */
+#define LOOK_NS (2 * INT64_C(1000000000))
 
 bool pel_exercise_run_named(const struct pel_exercise_run *run)
 {
@@ -65,7 +69,9 @@ const char *pel_exercises_stand_by(struct pel_exercises *all)
     if (!run->scene->led.on) {
         return run->lacks; /* since it took over */
     }
-    if (!has_heir(run)) {
+    int64_t now_ns = pel_now_ns();
+    if (!has_heir(run) && (!run->lacks || now_ns >= run->look_ns)) {
+        run->look_ns = now_ns + LOOK_NS;
         g_autofree char *before = g_steal_pointer(&run->lacks);
         pel_exercise_heir_free(run);
         run->lacks = take_copy(run);

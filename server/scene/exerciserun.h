@@ -36,6 +36,7 @@ struct pel_exercise_run {
      * on; NULL: `lacks` says why not, NULL: nor is there any. */
     Pelagos__Exercise *heir;
     char *heir_digest, *lacks;
+    int64_t look_ns; /* not before then again, where one was lacking */
 };
 
 struct pel_exercises {
