@@ -88,10 +88,26 @@ def _hours(hours: float) -> str:
             if hours >= 1 / 60 else f"{3600 * hours:.0f} s")
 
 
+def _measure(plan: Plan, threads: int, options: argparse.Namespace
+             ) -> tuple[Estimate, dict[str, str]]:
+    """Says on a terminal which frame is drawn: the first take a while."""
+    shown = sys.stderr.isatty() and not options.quiet
+
+    def on_frame(at: int, count: int) -> None:
+        if shown:
+            print(f"\rmeasuring: frame {at + 1} of {count} ", end="",
+                  file=sys.stderr, flush=True)
+    try:
+        return measure(plan, options.device.split(",")[0], threads, on_frame)
+    finally:
+        if shown:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+
 def _plan(options: argparse.Namespace) -> int:
     plan = read_plan(options.path)
     workers, threads = _shared(options)
-    estimate, made_by = measure(plan, options.device.split(",")[0], threads)
+    estimate, made_by = _measure(plan, threads, options)
     _print_estimate(plan, estimate, made_by, options, workers)
     return 0
 
@@ -120,12 +136,11 @@ def _run(options: argparse.Namespace) -> int:
 def _begin(plan: Plan, folder: Folder, workers: int, threads: int,
            options: argparse.Namespace) -> None:
     """Measures what the set will take, and makes its directory."""
-    device = options.device.split(",")[0]
     if options.no_estimate:
-        with Renderer(plan, device, threads) as one:
+        with Renderer(plan, options.device.split(",")[0], threads) as one:
             folder.open(plan, one.made_by)
         return
-    estimate, made_by = measure(plan, device, threads)
+    estimate, made_by = _measure(plan, threads, options)
     if not options.json:
         _print_estimate(plan, estimate, made_by, options, workers)
     free = room(folder.path)

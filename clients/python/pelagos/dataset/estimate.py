@@ -5,6 +5,7 @@ import dataclasses
 import os
 import shutil
 import time
+from collections.abc import Callable
 from typing import Any
 
 from .draw import Renderer
@@ -41,27 +42,35 @@ class Estimate:
                 "workerHours": round(self.hours(1), 4)}
 
 
-def measure(plan: Plan, device: str, threads: int) -> tuple[Estimate,
-                                                            dict[str, str]]:
+def measure(plan: Plan, device: str, threads: int,
+            on_frame: Callable[[int, int], None] = lambda at, count: None,
+            ) -> tuple[Estimate, dict[str, str]]:
     """Draws frames from all over the plan with one worker that has `threads`
-    of the machine; then also what draws them. The first, for which shaders are
-    compiled, is not counted. Raises Refusal where the daemon refuses one."""
+    of the machine; then also what draws them. Every other one is counted, after
+    the rest, for which shaders are compiled. `on_frame` is called before each
+    with its number and how many there are. Raises Refusal where the daemon
+    refuses one."""
     n = plan.length
-    count = min(_FRAMES, plan.frames)
+    count = min(2 * _FRAMES, plan.frames)
     scenes = sorted({i * (plan.frames // n) // max(1, -(-count // n))
                      for i in range(-(-count // n))})
     frames = [s * n + j for s in scenes for j in range(min(n, count))][:count]
+    first, counted = frames[1::2] or frames, frames[::2]
+    count = len(first) + len(counted)
     begin = time.monotonic()
     with Renderer(plan, device, threads) as renderer:
-        renderer.files_of(frames[-1])
         start_s = time.monotonic() - begin
+        for i, frame in enumerate(first):
+            on_frame(i, count)
+            renderer.files_of(frame)
         begin, size = time.monotonic(), 0
-        for frame in frames:
+        for i, frame in enumerate(counted):
+            on_frame(len(first) + i, count)
             size += sum(_BLOCK + -(-len(data) // _BLOCK) * _BLOCK
                         for data in renderer.files_of(frame).values())
-        seconds = (time.monotonic() - begin) / len(frames)
-        return Estimate(plan.frames, len(frames), seconds, size / len(frames),
-                        start_s, threads), renderer.made_by
+        seconds = (time.monotonic() - begin) / len(counted)
+        return Estimate(plan.frames, len(counted), seconds,
+                        size / len(counted), start_s, threads), renderer.made_by
 
 
 def room(path: str) -> int:
