@@ -53,11 +53,13 @@ const char *pel_light_defines(enum pel_programs_light light)
     static const char *const looks[] = { "", "#define PEL_NIGHT\n",
                                          "#define PEL_PANORAMA\n" };
     static char texts[PEL_LIGHT_KINDS][PEL_LIGHT_TEXT];
+    static bool made[PEL_LIGHT_KINDS]; /* others read them from then on */
     static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
     const int fog = light / PEL_LIGHT_FOGGED;
     char *text = texts[light];
     pthread_mutex_lock(&lock); /* of several renderers */
-    if (!*text) {
+    if (!made[light]) {
+        made[light] = true;
         int n = snprintf(
             text, PEL_LIGHT_TEXT, "%s%s%s", lit[light % PEL_LIGHT_NIGHT],
             looks[light % PEL_LIGHT_CLOUDED / PEL_LIGHT_NIGHT],
