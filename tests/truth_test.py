@@ -45,7 +45,7 @@ class Truth(unittest.TestCase):
     def setUpClass(cls):
         cls.daemon = Daemon()
         cls.addClassCleanup(cls.daemon.stop)
-        cls.ocean = pelagos.Ocean(cls.daemon.url(""))
+        cls.ocean = pelagos.Ocean(cls.daemon.url(""), timeout=120)
         cls.addClassCleanup(cls.ocean.close)
 
     def scene(self, ships, wind=1, **more):
