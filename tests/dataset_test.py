@@ -543,6 +543,15 @@ class Sets(unittest.TestCase):
         copy = os.path.join(self.folder, "copy")
         shutil.copytree(self.wild, copy)
         os.unlink(os.path.join(copy, "shards/00001.tar"))
+        # All of them within a tenth of a second, a hundred seconds after the
+        # set began, as workers end them.
+        now = time.time()
+        os.utime(os.path.join(copy, "set.json"), (now - 100, now - 100))
+        for i, shard in enumerate(pathlib.Path(copy, "shards").glob("*.tar")):
+            os.utime(shard, (now - 1 + i * 0.1 / SHARDS,) * 2)
+        togo = json.loads(ctl("status", copy, "--json").stdout)["hoursToGo"]
+        self.assertAlmostEqual(togo, 100 / (SHARDS - 1) / 3600,
+                               delta=30 / (SHARDS - 1) / 3600 + 0.0005)
         said = json.loads(ctl("status", copy, "--json").stdout)
         self.assertEqual((said["shards"], said["done"], said["framesDone"],
                           said["drawnNow"], said["alarms"]),

@@ -244,10 +244,10 @@ def _status(options: argparse.Namespace) -> int:
             folder.at("index.parquet")),
         "alarms": len(os.listdir(folder.at("alarms")))
         if os.path.isdir(folder.at("alarms")) else 0}
-    times = sorted(s.st_mtime for s in sizes)
-    recent = [t for t in times if t > time.time() - 600]
-    rate = (len(recent) - 1) / (recent[-1] - recent[0]) \
-        if len(recent) > 1 and recent[-1] > recent[0] else 0.0
+    # Workers end their shards together: not from one to the next.
+    now = time.time()
+    since = max(now - 600, os.stat(folder.at("set.json")).st_mtime)
+    rate = sum(s.st_mtime > since for s in sizes) / max(now - since, 1.0)
     if rate > 0 and len(done) < plan.shards:
         said["hoursToGo"] = round((plan.shards - len(done)) / rate / 3600, 3)
     if options.json:
