@@ -45,6 +45,7 @@ class Truth(unittest.TestCase):
     def setUpClass(cls):
         cls.daemon = Daemon()
         cls.addClassCleanup(cls.daemon.stop)
+        # A busy machine compiles the first picture's shaders for 30 s and more.
         cls.ocean = pelagos.Ocean(cls.daemon.url(""), timeout=120)
         cls.addClassCleanup(cls.ocean.close)
 

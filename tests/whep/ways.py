@@ -15,7 +15,7 @@ import unittest
 TESTS = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 sys.path[:0] = [TESTS, os.path.join(TESTS, "cluster")]
 
-TOKEN = "watch-token-0123456789"
+TOKEN = "desk-token-0123456789"
 VIEW = "/v1/views/bridge/whep"
 PICTURES = 30  # a second of them: the way stands, it was no lucky packet
 # The daemon's own address where it is behind a translator.
@@ -44,8 +44,8 @@ class Ways(unittest.TestCase):
         server = self.net.hosts["server"]
         # Without a file of settings: libnice asks by RFC 3489, which Debian's
         # own forbids (no-stun-backward-compatibility).
-        self.start("server", "turnserver", "-n", "--no-cli", "--no-tls", "--no-dtls",
-                   "--listening-ip", server, "--relay-ip", server,
+        self.start("server", "turnserver", "-n", "--no-cli", "--no-tls",
+                   "--no-dtls", "--listening-ip", server, "--relay-ip", server,
                    "--lt-cred-mech", "--user", "watch:word", "--realm", "sea",
                    "--log-file", "stdout", "--pidfile",
                    os.path.join(self.folder, "pid"))
