@@ -1,13 +1,13 @@
 /* pelagosd: options, wiring, signals. */
 #include <glib-unix.h>
 #include <glib.h>
-#include <malloc.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/heap.h"
 #include "base/log.h"
 #include "base/metrics.h"
 #include "base/reserve.h"
@@ -560,11 +560,13 @@ static int run(struct daemon *d)
         status = EXIT_FAILURE;
     } else {
         pel_service_warm_up(d->frames, d->scene, d->started_ns, ready, d);
+        pel_heap_begin();
         pel_urgent_begin(&control, PEL_URGENT_CONTROL);
         pel_watch_begin();
         pel_metrics_add(d->metrics, pel_watch_collect, NULL);
         g_main_context_set_poll_func(NULL, account_and_poll);
         g_main_loop_run(d->loop);
+        pel_heap_end();
     }
     bool joined = finish(d);
     status = d->kept ? status : EXIT_FAILURE;
@@ -574,22 +576,12 @@ static int run(struct daemon *d)
     return status;
 }
 
-/* Blocks of pictures and seas go back to the system as they are freed. By
- * itself glibc soon takes such blocks from the heaps of threads, where smaller
- * ones above keep them: half of what was resident after a while. What lies on
- * top of a heap is not given back and asked for again with each picture. */
-static void keep_heap_small(void)
-{
-    mallopt(M_MMAP_THRESHOLD, 256 << 10);
-    mallopt(M_TRIM_THRESHOLD, 8 << 20);
-}
-
 int main(int argc, char **argv)
 {
     static struct daemon d;
     enum pel_options_action action;
     struct pel_fault fault = { 0 };
-    keep_heap_small();
+    pel_heap_settle();
     d.started_ns = pel_now_ns();
     d.argc = argc;
     d.argv = argv;

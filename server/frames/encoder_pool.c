@@ -8,6 +8,7 @@
 #include "base/lock.h"
 #include "base/log.h"
 #include "frames/picture_notes.h"
+#include "frames/pictureplanes.h"
 #include "frames/radarview.h"
 #include "proto/formats.h"
 
@@ -69,25 +70,6 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
     frame->render_ms = part->radar ? picture->render_ms : part->render_ms;
 }
 
-/* What the device made of the picture; false: pixels. */
-static bool planes_of(const struct pel_picture *p, struct pel_planes_given *out)
-{
-    if (p->ycbcr == PEL_YCBCR_NONE) {
-        return false;
-    }
-    *out = (struct pel_planes_given){
-        .y = p->planes[0],
-        .u = p->planes[1],
-        .v = p->planes[2],
-        .y_stride = p->strides[0],
-        .u_stride = p->strides[1],
-        .v_stride = p->strides[2],
-        .width = p->width,
-        .height = p->height,
-    };
-    return true;
-}
-
 static enum pel_err encode_video(struct pel_output *output,
                                  struct pel_frame *frame,
                                  struct pel_bytes *bytes)
@@ -100,7 +82,7 @@ static enum pel_err encode_video(struct pel_output *output,
     struct pel_planes_given planes;
     struct pel_video_picture picture = {
         .rgba = p->rgba,
-        .planes = planes_of(p, &planes) ? &planes : NULL,
+        .planes = pel_picture_planes(p, &planes) ? &planes : NULL,
         .width = p->width,
         .height = p->height,
         .out_width = scaled ? part->width : 0,
@@ -151,7 +133,7 @@ static enum pel_err encode_bytes(const struct pel_output *output,
     }
     struct pel_planes_given planes;
     const struct pel_encode_input input = {
-        .planes = planes_of(p, &planes) ? &planes : NULL,
+        .planes = pel_picture_planes(p, &planes) ? &planes : NULL,
         .width = p->width,
         .height = p->height,
         .cancel = &output->cancel,

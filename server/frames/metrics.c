@@ -92,6 +92,9 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
           s.present_delay_ms * 1e-3);
     gauge(page, "pelagos_render_shading_in_compute",
           "1: pixels are shaded in compute; 0: as fragments.", s.in_compute);
+    gauge(page, "pelagos_render_programs",
+          "Programs that are loaded in the drivers of all devices.",
+          pel_renderer_programs());
     counter(page, "pelagos_video_frames_total", "H.264 pictures encoded.",
             s.video_frames);
     counter(page, "pelagos_video_keys_total", "H.264 key frames encoded.",

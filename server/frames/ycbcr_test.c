@@ -5,6 +5,7 @@
 #include "render/render_testkit.h"
 
 #include "encode/encode.h"
+#include "frames/pictureplanes.h"
 
 #define MOST 9
 #define LARGEST (144 * 96)
@@ -41,16 +42,9 @@ static struct pel_planes planes_of(struct canvas *c, uint32_t width,
 
 static struct pel_planes_given given(const struct pel_picture *p)
 {
-    return (struct pel_planes_given){
-        .y = p->planes[0],
-        .u = p->planes[1],
-        .v = p->planes[2],
-        .y_stride = p->strides[0],
-        .u_stride = p->strides[1],
-        .v_stride = p->strides[2],
-        .width = p->width,
-        .height = p->height,
-    };
+    struct pel_planes_given planes;
+    assert_true(pel_picture_planes(p, &planes));
+    return planes;
 }
 
 /* Every byte up to the end of the blocks, which repeat the last column and row.

@@ -78,8 +78,8 @@ static void drop_textures(struct pel_acuity *a)
 void pel_acuity_finish(struct pel_acuity *a)
 {
     drop_textures(a);
-    glDeleteProgram(a->programs[0]);
-    glDeleteProgram(a->programs[1]);
+    pel_program_delete(a->programs[0]);
+    pel_program_delete(a->programs[1]);
     *a = (struct pel_acuity){ 0 };
 }
 
@@ -113,7 +113,7 @@ GLuint pel_acuity_run(struct pel_acuity *a, const struct pel_targets *t,
     glBindTextureUnit(PEL_UNIT_RADIANCE, t->planes[PEL_AT_RADIANCE]);
     for (int i = 0; i < 2; i++) {
         glBindFramebuffer(GL_DRAW_FRAMEBUFFER, a->fbos[i]);
-        glUseProgram(a->programs[i]);
+        pel_program_use(a->programs[i]);
         GLint skip = i ? border : 0;
         glViewport(skip, skip, width - 2 * skip, height - 2 * skip);
         glDrawArrays(GL_TRIANGLES, 0, 3);

@@ -41,7 +41,7 @@ static void draw_rows(GLuint program, GLuint fbo, GLsizei width, GLsizei height,
     glDisable(GL_DEPTH_TEST);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
     glViewport(0, 0, width, height);
-    glUseProgram(program);
+    pel_program_use(program);
     glScissor(0, from, width, to - from);
     glEnable(GL_SCISSOR_TEST);
     glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -182,11 +182,11 @@ static void set_glows(GLuint program, const struct pel_environment *env,
         pel_lamp_inverse(m, inverse);
         pel_lamp_spectral(m, inverse, all, light);
     }
-    glProgramUniform1i(program, PEL_UNIFORM_GLOW_COUNT, (GLint)env->glow_count);
-    glProgramUniform3f(program, PEL_UNIFORM_GLOW_LIGHT, (float)light[0],
-                       (float)light[1], (float)light[2]);
-    glProgramUniform4fv(program, PEL_UNIFORM_GLOWS, PEL_CLOUD_GLOWS,
-                        &places[0][0]);
+    pel_program_use(program);
+    glUniform1i(PEL_UNIFORM_GLOW_COUNT, (GLint)env->glow_count);
+    glUniform3f(PEL_UNIFORM_GLOW_LIGHT, (float)light[0], (float)light[1],
+                (float)light[2]);
+    glUniform4fv(PEL_UNIFORM_GLOWS, PEL_CLOUD_GLOWS, &places[0][0]);
 }
 
 void pel_cloud_map_scape(struct pel_cloud_map *map, GLuint program,
@@ -232,7 +232,7 @@ void pel_cloud_map_finish(struct pel_cloud_map *map)
     glDeleteTextures(3, textures);
     glDeleteFramebuffers(2, fbos);
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        glDeleteProgram(map->shade_program[i]);
+        pel_program_delete(map->shade_program[i]);
     }
     *map = (struct pel_cloud_map){ 0 };
 }

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/log.h"
+#include "render/shader.h"
 
 #define MAX_DEVICES 32 /* as many displays, and one without a device */
 
@@ -304,6 +305,7 @@ bool pel_context_lost(const struct pel_context *context)
 
 void pel_context_finish(struct pel_context *context)
 {
+    pel_programs_forget();
     if (context->display) {
         eglMakeCurrent(context->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
                        EGL_NO_CONTEXT);

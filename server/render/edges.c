@@ -111,7 +111,7 @@ void pel_edges_list(const struct pel_programs *p, const struct pel_targets *t,
     begin_list(t->suspects, PEL_STORE_SUSPECTS);
     begin_list(t->edges, PEL_STORE_EDGES);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, t->triangles);
-    glUseProgram(p->outline_find);
+    pel_program_use(p->outline_find);
     GLuint apart[PEL_OUTLINE_BLOCKS][2];
     pel_edges_apart(mesh, apart);
     glUniform2uiv(0, PEL_OUTLINE_BLOCKS, apart[0]);
@@ -119,7 +119,7 @@ void pel_edges_list(const struct pel_programs *p, const struct pel_targets *t,
     glUniform1i(PEL_OUTLINE_BLOCKS + 1, sideways);
     glDispatchCompute((GLuint)(wide + PEL_GROUP_LINE - 1) / PEL_GROUP_LINE,
                       (GLuint)down, 1);
-    glUseProgram(p->outline);
+    pel_program_use(p->outline);
     pel_edges_tell_blocks(mesh, PEL_UNIFORM_BLOCK_COUNT, PEL_UNIFORM_BLOCKS,
                           PEL_UNIFORM_BASES);
     dispatch_by(t->suspects);
@@ -139,11 +139,11 @@ void pel_edges_mix(const struct pel_programs *p, const struct pel_targets *t,
                            GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
         glBindImageTexture(PEL_IMAGE_SLOTS, t->planes[i], 0, GL_FALSE, 0,
                            GL_READ_WRITE, GL_RGBA32F);
-        glUseProgram(p->outline_mix);
+        pel_program_use(p->outline_mix);
         dispatch_by(t->edges);
         glBindImageTexture(PEL_IMAGE_COLOR, t->color, 0, GL_FALSE, 0,
                            GL_WRITE_ONLY, GL_RGBA8);
-        glUseProgram(p->outline_put[p->lamps]);
+        pel_program_use(p->outline_put[p->lamps]);
         glUniform1i(0, toned && radiance);
         dispatch_by(t->edges);
         glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT);

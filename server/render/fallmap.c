@@ -49,9 +49,9 @@ void pel_fall_map_finish(struct pel_fall_map *map)
     glDeleteFramebuffers(1, &map->fbo);
     for (int i = 0; i < PEL_LIGHT_PROGRAMS; i++) {
         for (int k = 0; k < 3; k++) {
-            glDeleteProgram(map->fallen[k][i]);
+            pel_program_delete(map->fallen[k][i]);
         }
-        glDeleteProgram(map->falling[i]);
+        pel_program_delete(map->falling[i]);
     }
     *map = (struct pel_fall_map){ 0 };
 }
@@ -83,7 +83,7 @@ static void put_mean(const struct pel_environment *env, GLuint program,
         to[1][0] =
             (float)(k->extinction * (PEL_FALL_FARTHEST_M - PEL_FALL_NEAREST_M));
     }
-    glUseProgram(program);
+    pel_program_use(program);
     glUniform4f(0, 0.0f, env->fall_bare, 0.0f, 0.0f);
     glUniform4fv(1, 2 * count, kinds[0]);
     glDrawArrays(GL_TRIANGLES, 0, 3);
@@ -175,7 +175,7 @@ void pel_fall_map_put(struct pel_fall_map *map,
     glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, map->fbo);
     put_mean(env, map->fallen[what_falls(env)][kind], &plan);
-    glUseProgram(map->falling[kind]);
+    pel_program_use(map->falling[kind]);
     for (int i = 0; i < plan.count; i++) {
         put_kind(&plan.kinds[i], c, env->fall_bare);
     }

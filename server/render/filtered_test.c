@@ -110,14 +110,14 @@ static void ask_the_shader(void)
     }
     buffers[4] = bound(GL_SHADER_STORAGE_BUFFER, 0, probes, sizeof probes);
     buffers[5] = bound(GL_SHADER_STORAGE_BUFFER, 1, NULL, sizeof answers);
-    glUseProgram(program);
+    pel_program_use(program);
     glDispatchCompute(POINTS / 64, 1, 1);
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(buffers[5], 0, sizeof answers, answers);
     glDeleteBuffers(6, buffers);
     pel_texels_finish(&wave_texels);
     pel_texels_finish(&variance_texels);
-    glDeleteProgram(program);
+    pel_program_delete(program);
 }
 
 struct worst {

@@ -212,13 +212,13 @@ void pel_lamp_map_finish(struct pel_lamp_map *map)
     glDeleteTextures(1, &map->light);
     glDeleteFramebuffers(1, &map->fbo);
     for (int i = 0; i < PEL_LIGHT_KINDS; i++) {
-        glDeleteProgram(map->find[0][i]);
-        glDeleteProgram(map->find[1][i]);
-        glDeleteProgram(map->tone[0][i]);
-        glDeleteProgram(map->tone[1][i]);
+        pel_program_delete(map->find[0][i]);
+        pel_program_delete(map->find[1][i]);
+        pel_program_delete(map->tone[0][i]);
+        pel_program_delete(map->tone[1][i]);
     }
-    glDeleteProgram(map->put);
-    glDeleteProgram(map->alone);
+    pel_program_delete(map->put);
+    pel_program_delete(map->alone);
     free(map->lamps);
     *map = (struct pel_lamp_map){ 0 };
 }
@@ -241,7 +241,7 @@ void pel_lamp_map_find(struct pel_lamp_map *map, const struct pel_programs *p,
                    sizeof *map->lamps * map->count);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_SPOTS, map->spots);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, targets->triangles);
-    glUseProgram(map->find[p->compute][p->light]);
+    pel_program_use(map->find[p->compute][p->light]);
     glUniform1ui(0, (GLuint)map->count);
     glDispatchCompute(
         ((GLuint)map->count + PEL_GROUP_LINE - 1) / PEL_GROUP_LINE, 1, 1);
@@ -276,7 +276,7 @@ void pel_lamp_map_alone(struct pel_lamp_map *map, bool compute, uint32_t width,
         glBindTextureUnit(PEL_UNIT_LAMPS, map->spots_texels);
         glBindImageTexture(PEL_IMAGE_RADIANCE, map->light, 0, GL_FALSE, 0,
                            GL_WRITE_ONLY, GL_RGBA32F);
-        glUseProgram(map->alone);
+        pel_program_use(map->alone);
         glUniform1ui(0, (GLuint)map->count);
         glDispatchCompute((width + PEL_GROUP_SIDE - 1) / PEL_GROUP_SIDE,
                           (height + PEL_GROUP_SIDE - 1) / PEL_GROUP_SIDE, 1);
@@ -300,7 +300,7 @@ void pel_lamp_map_put(struct pel_lamp_map *map, GLuint light, double share)
     glBlendFuncSeparate(share < 1.0 ? GL_CONSTANT_ALPHA : GL_ONE, GL_ONE,
                         GL_ZERO, GL_ONE);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, map->fbo);
-    glUseProgram(map->put);
+    pel_program_use(map->put);
     glDrawArraysInstanced(GL_TRIANGLES, 0, 6, (GLsizei)map->count);
     glDisable(GL_BLEND);
 }

@@ -31,9 +31,9 @@ enum pel_err pel_meter_need(struct pel_meter *m,
 void pel_meter_finish(struct pel_meter *m)
 {
     for (int i = 0; i < PEL_LIGHT_PROGRAMS; i++) {
-        glDeleteProgram(m->together[i]);
-        glDeleteProgram(m->program[0][i]);
-        glDeleteProgram(m->program[1][i]);
+        pel_program_delete(m->together[i]);
+        pel_program_delete(m->program[0][i]);
+        pel_program_delete(m->program[1][i]);
     }
     glDeleteBuffers(1, &m->exposure);
     *m = (struct pel_meter){ 0 };
@@ -42,7 +42,7 @@ void pel_meter_finish(struct pel_meter *m)
 void pel_meter_use(struct pel_meter *m, GLuint program)
 {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_EXPOSURE, m->exposure);
-    glUseProgram(program);
+    pel_program_use(program);
     glDispatchCompute(1, 1, 1);
     glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_EXPOSURE, m->exposure);
@@ -72,7 +72,7 @@ void pel_meter_run_together(struct pel_meter *m,
                             const struct pel_environment *env, GLuint views)
 {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_EXPOSURE, m->exposure);
-    glUseProgram(m->together[pel_light_program(env)]);
+    pel_program_use(m->together[pel_light_program(env)]);
     glDispatchCompute(1, 1, views);
     glBindBufferBase(GL_UNIFORM_BUFFER, PEL_BLOCK_EXPOSURE, m->exposure);
 }

@@ -24,7 +24,7 @@ static GLuint make_views(GLenum format, GLint filter, const char *name)
 
 void pel_mirrors_forget_program(struct pel_mirrors *m)
 {
-    glDeleteProgram(m->program);
+    pel_program_delete(m->program);
     m->program = 0;
 }
 
@@ -96,10 +96,10 @@ void pel_mirrors_finish(struct pel_mirrors *m)
     glDeleteTextures(1, &m->depth);
     glDeleteTextures(1, &m->numbers);
     glDeleteFramebuffers(1, &m->numbers_fbo);
-    glDeleteProgram(m->raster[0]);
-    glDeleteProgram(m->raster[1]);
-    glDeleteProgram(m->program);
-    glDeleteProgram(m->mips_program);
+    pel_program_delete(m->raster[0]);
+    pel_program_delete(m->raster[1]);
+    pel_program_delete(m->program);
+    pel_program_delete(m->mips_program);
     *m = (struct pel_mirrors){ 0 };
 }
 
@@ -174,7 +174,7 @@ void pel_mirrors_draw(struct pel_mirrors *m, int layer, double part, bool holed,
     glClearNamedFramebufferfv(fbo, GL_COLOR, 0, nothing);
     glClearNamedFramebufferfv(fbo, GL_COLOR, 1, nothing);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, m->numbers_fbo);
-    glUseProgram(m->raster[holed]);
+    pel_program_use(m->raster[holed]);
     glEnable(GL_CLIP_DISTANCE0);
     glDepthFunc(GL_GREATER);
     draw(user, i);
@@ -183,7 +183,7 @@ void pel_mirrors_draw(struct pel_mirrors *m, int layer, double part, bool holed,
     glDepthMask(GL_FALSE);
     glDepthFunc(GL_LESS);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
-    glUseProgram(m->program);
+    pel_program_use(m->program);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
@@ -198,7 +198,7 @@ void pel_mirrors_end(struct pel_mirrors *m)
 {
     glBindTextureUnit(PEL_UNIT_MIRRORS, m->radiance);
     glBindTextureUnit(PEL_UNIT_MIRROR_DEPTHS, m->away);
-    glUseProgram(m->mips_program);
+    pel_program_use(m->mips_program);
     for (GLint level = 1; level < PEL_MIRROR_LEVELS; level++) {
         glBindImageTexture(PEL_IMAGE_MIRRORS, m->radiance, level, GL_TRUE, 0,
                            GL_WRITE_ONLY, GL_RGBA16F);

@@ -54,7 +54,7 @@ static enum pel_err need(struct pel_mote_map *map, const char *shader_dir,
     }
     /* The oldest makes room. */
     if (map->program_count == room) {
-        glDeleteProgram(map->programs[0].program);
+        pel_program_delete(map->programs[0].program);
         memmove(map->programs, map->programs + 1,
                 sizeof *map->programs * (size_t)(room - 1));
         map->program_count--;
@@ -93,7 +93,7 @@ enum pel_err pel_mote_map_need(struct pel_mote_map *map,
 void pel_mote_map_finish(struct pel_mote_map *map)
 {
     for (int i = 0; i < map->program_count; i++) {
-        glDeleteProgram(map->programs[i].program);
+        pel_program_delete(map->programs[i].program);
     }
     glDeleteFramebuffers(1, &map->fbo);
     glDeleteBuffers(1, &map->buffer);
@@ -203,7 +203,7 @@ void pel_mote_map_put(struct pel_mote_map *map,
     glNamedFramebufferTexture(map->fbo, GL_COLOR_ATTACHMENT0,
                               targets->planes[PEL_AT_RADIANCE], 0);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, map->fbo);
-    glUseProgram(program ? *program : 0);
+    pel_program_use(program ? *program : 0);
     glUniform4f(0, (float)falls[0], (float)falls[1], (float)falls[2],
                 (float)falls[3]);
     glUniform1f(1, (float)pel_mote_reach(&env->motes, &seen));

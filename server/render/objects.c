@@ -8,6 +8,7 @@
 #include "optics/wet.h"
 #include "render/objectplan.h"
 #include "render/objectshadow.h"
+#include "render/shader.h"
 #include "render/uniforms.h"
 
 #define MOST_SLOTS (PEL_OBJECT_SHADOWS + PEL_MAX_ENTITIES)
@@ -28,7 +29,7 @@ static void delete_shading(struct pel_objects *o)
 {
     for (int i = 0; i < 2; i++) {
         for (int k = 0; k < 3 * PEL_SHADE_COUNT; k++) {
-            glDeleteProgram(
+            pel_program_delete(
                 o->shade[i][k / PEL_SHADE_COUNT][k % PEL_SHADE_COUNT]);
         }
     }
@@ -45,12 +46,12 @@ void pel_objects_finish(struct pel_objects *o)
     glDeleteTextures(1, &o->places);
     glDeleteTextures(1, &o->surroundings);
     glDeleteBuffers(1, &o->ambient);
-    glDeleteProgram(o->surroundings_program);
-    glDeleteProgram(o->ambient_program);
+    pel_program_delete(o->surroundings_program);
+    pel_program_delete(o->ambient_program);
     for (int h = 0; h < 2; h++) {
-        glDeleteProgram(o->shadow_program[h]);
-        glDeleteProgram(o->raster[h]);
-        glDeleteProgram(o->raster_keys[h]);
+        pel_program_delete(o->shadow_program[h]);
+        pel_program_delete(o->raster[h]);
+        pel_program_delete(o->raster_keys[h]);
     }
     delete_shading(o);
     pel_samples_finish(&o->samples);
@@ -148,7 +149,7 @@ enum pel_err pel_objects_fit(struct pel_objects *o,
     o->light = p->light;
     o->lamps = p->lamps;
     if (err == PEL_OK && other) {
-        glDeleteProgram(o->surroundings_program);
+        pel_program_delete(o->surroundings_program);
         o->surroundings_program = 0;
     }
     bool painted = o->pool.textured != p->textured;
@@ -243,7 +244,7 @@ void pel_objects_light(struct pel_objects *o, const struct pel_sky *sky)
     glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky->sea.radiance);
     glBindImageTexture(PEL_IMAGE_SURROUNDINGS, o->surroundings, 0, GL_FALSE, 0,
                        GL_WRITE_ONLY, GL_RGBA16F);
-    glUseProgram(o->surroundings_program);
+    pel_program_use(o->surroundings_program);
     glDispatchCompute(PEL_SURROUNDINGS_SIZE / PEL_GROUP_SIDE,
                       PEL_SURROUNDINGS_SIZE / PEL_GROUP_SIDE, 1);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
@@ -251,7 +252,7 @@ void pel_objects_light(struct pel_objects *o, const struct pel_sky *sky)
     glGenerateTextureMipmap(o->surroundings);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_SURROUNDINGS,
                      o->ambient);
-    glUseProgram(o->ambient_program);
+    pel_program_use(o->ambient_program);
     glDispatchCompute(1, 1, 1);
     glMemoryBarrier(GL_UNIFORM_BARRIER_BIT);
     memcpy(o->light_key, sky->light_key, sizeof o->light_key);
@@ -446,7 +447,7 @@ static void draw_shadows(struct pel_objects *o)
         glViewport(0, 0, PEL_SHADOW_SIZE, PEL_SHADOW_SIZE);
         glClearNamedFramebufferfv(fbo, GL_DEPTH, 0, &far_away);
         glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
-        glUseProgram(o->shadow_program[o->pool.models[d->model].holed]);
+        pel_program_use(o->shadow_program[o->pool.models[d->model].holed]);
         draw_fronts(o, i, GL_CCW);
         draw_level(o, i, d->shadow_level);
     }
@@ -495,7 +496,7 @@ static void draw_seen(struct pel_objects *o, const struct pel_block_view *view,
                       const GLuint programs[2])
 {
     for (int h = 0; h < (o->pool.holed ? 2 : 1); h++) {
-        glUseProgram(programs[h]);
+        pel_program_use(programs[h]);
         open_window(view);
         for (int i = 0; i < o->drawn_count; i++) {
             const struct pel_object_drawn *d = &o->drawn[i];
@@ -511,7 +512,7 @@ static void draw_seen(struct pel_objects *o, const struct pel_block_view *view,
 void pel_objects_draw(const struct pel_objects *o,
                       const struct pel_block_view *view, GLuint program)
 {
-    glUseProgram(program);
+    pel_program_use(program);
     open_window(view);
     for (int i = 0; i < o->drawn_count; i++) {
         if (o->drawn[i].seen) {

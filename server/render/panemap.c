@@ -38,7 +38,7 @@ void pel_pane_map_finish(struct pel_pane_map *map)
 {
     glDeleteFramebuffers(1, &map->fbo);
     for (int i = 0; i < PEL_LIGHT_PROGRAMS; i++) {
-        glDeleteProgram(map->programs[i]);
+        pel_program_delete(map->programs[i]);
     }
     *map = (struct pel_pane_map){ 0 };
 }
@@ -68,7 +68,7 @@ void pel_pane_map_put(struct pel_pane_map *map,
     /* The fourth component says what a pixel shows. */
     glBlendFuncSeparate(GL_ONE, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, map->fbo);
-    glUseProgram(map->programs[pel_light_program(env)]);
+    pel_program_use(map->programs[pel_light_program(env)]);
     glUniform4f(0, (float)c->wet_lens, (float)floor(lives),
                 (float)(lives - floor(lives)), (float)(c->pane & 0xffffffU));
     for (int kind = 0; kind < KINDS; kind++) {

@@ -24,7 +24,7 @@ enum pel_err pel_prober_init(struct pel_prober *p, int lit,
 void pel_prober_finish(struct pel_prober *p)
 {
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        glDeleteProgram(p->program[i]);
+        pel_program_delete(p->program[i]);
     }
     glDeleteBuffers(1, &p->buffer);
     *p = (struct pel_prober){ 0 };
@@ -41,12 +41,11 @@ void pel_prober_run(struct pel_prober *p, int lit, int sun,
     GLfloat v[PEL_PROBE_ANSWERS][4];
     GLuint program = p->program[lit - 1];
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_PROBE, p->buffer);
-    glProgramUniform3f(program, 0, (GLfloat)probe->dir.x, (GLfloat)probe->dir.y,
-                       (GLfloat)probe->dir.z);
-    glProgramUniform2f(program, 1, (GLfloat)probe->slope_along,
-                       (GLfloat)probe->slope_cross);
-    glProgramUniform1i(program, 2, sun);
-    glUseProgram(program);
+    pel_program_use(program);
+    glUniform3f(0, (GLfloat)probe->dir.x, (GLfloat)probe->dir.y,
+                (GLfloat)probe->dir.z);
+    glUniform2f(1, (GLfloat)probe->slope_along, (GLfloat)probe->slope_cross);
+    glUniform1i(2, sun);
     glDispatchCompute(1, 1, 1);
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     glGetNamedBufferSubData(p->buffer, 0, sizeof v, v);

@@ -8,24 +8,25 @@
 #include "base/log.h"
 #include "ocean/foam.h"
 #include "render/coast.h"
+#include "render/shader.h"
 
 static void delete_sea_programs(struct pel_sea_programs *p)
 {
     for (int i = 0; i < PEL_SHADE_COUNT; i++) {
-        glDeleteProgram(p->fragments[i]);
-        glDeleteProgram(p->compute_program[i]);
-        glDeleteProgram(p->coast[i]);
-        glDeleteProgram(p->shallow[i]);
+        pel_program_delete(p->fragments[i]);
+        pel_program_delete(p->compute_program[i]);
+        pel_program_delete(p->coast[i]);
+        pel_program_delete(p->shallow[i]);
         for (int k = 0; k < PEL_OBJECTS_KNOWN_COUNT; k++) {
-            glDeleteProgram(p->near[k][i]);
+            pel_program_delete(p->near[k][i]);
         }
         for (int k = 0; k < PEL_COAST_TILES; k++) {
-            glDeleteProgram(p->objects[k][i]);
+            pel_program_delete(p->objects[k][i]);
         }
     }
-    glDeleteProgram(p->mesh);
-    glDeleteProgram(p->together_mesh);
-    glDeleteProgram(p->together);
+    pel_program_delete(p->mesh);
+    pel_program_delete(p->together_mesh);
+    pel_program_delete(p->together);
     *p = (struct pel_sea_programs){ 0 };
 }
 
@@ -134,12 +135,12 @@ static void delete_objects(struct pel_sea_programs *p)
 {
     for (int i = 0; i < PEL_OBJECTS_KNOWN_COUNT * PEL_SHADE_COUNT; i++) {
         GLuint *program = &p->near[i / PEL_SHADE_COUNT][i % PEL_SHADE_COUNT];
-        glDeleteProgram(*program);
+        pel_program_delete(*program);
         *program = 0;
     }
     for (int i = 0; i < PEL_COAST_TILES * PEL_SHADE_COUNT; i++) {
         GLuint *program = &p->objects[i / PEL_SHADE_COUNT][i % PEL_SHADE_COUNT];
-        glDeleteProgram(*program);
+        pel_program_delete(*program);
         *program = 0;
     }
 }
@@ -518,23 +519,23 @@ enum pel_err pel_programs_take_light(struct pel_programs *p,
 static void finish_light(struct pel_programs *p)
 {
     delete_all_seas(p);
-    glDeleteProgram(p->surface);
-    glDeleteProgram(p->search);
-    glDeleteProgram(p->tone);
-    glDeleteProgram(p->outline_find);
-    glDeleteProgram(p->outline);
-    glDeleteProgram(p->outline_mix);
-    glDeleteProgram(p->outline_put[0]);
-    glDeleteProgram(p->outline_put[1]);
-    glDeleteProgram(p->clear_keys);
-    glDeleteProgram(p->together_mix);
+    pel_program_delete(p->surface);
+    pel_program_delete(p->search);
+    pel_program_delete(p->tone);
+    pel_program_delete(p->outline_find);
+    pel_program_delete(p->outline);
+    pel_program_delete(p->outline_mix);
+    pel_program_delete(p->outline_put[0]);
+    pel_program_delete(p->outline_put[1]);
+    pel_program_delete(p->clear_keys);
+    pel_program_delete(p->together_mix);
     for (int i = 0; i < PEL_SKY_LOOKS; i++) {
         for (int k = 0; k < PEL_BACKDROPS; k++) {
-            glDeleteProgram(p->backdrop[i][k]);
-            glDeleteProgram(p->disc[i][k]);
+            pel_program_delete(p->backdrop[i][k]);
+            pel_program_delete(p->disc[i][k]);
         }
-        glDeleteProgram(p->cloudscape[0][i]);
-        glDeleteProgram(p->cloudscape[1][i]);
+        pel_program_delete(p->cloudscape[0][i]);
+        pel_program_delete(p->cloudscape[1][i]);
     }
 }
 

@@ -16,6 +16,7 @@
 #include "render/programs.h"
 #include "render/readback.h"
 #include "render/rendererstate.h"
+#include "render/shader.h"
 #include "render/sky.h"
 #include "render/spacepass.h"
 #include "render/stages.h"
@@ -197,6 +198,11 @@ static void bind_table_eye(void *user, double height_m)
 }
 
 /* --- a frame's needs ------------------------------------------------------ */
+
+unsigned pel_renderer_programs(void)
+{
+    return pel_programs_loaded();
+}
 
 bool pel_renderer_in_compute(const struct pel_renderer *r)
 {
@@ -548,6 +554,7 @@ void pel_renderer_drop_bands(struct pel_renderer *r)
 bool pel_renderer_lost(struct pel_renderer *r)
 {
     r->lost = r->lost || pel_context_lost(&r->context) ||
+              pel_programs_failed() ||
               (r->lose_after > 0 && r->readback.pushed >= r->lose_after);
     return r->lost;
 }

@@ -55,6 +55,10 @@ bool pel_renderer_is_software(const struct pel_renderer *r);
  * differ by rounding (docs/benchmarks.md has what each costs). */
 bool pel_renderer_in_compute(const struct pel_renderer *r);
 
+/* Programs of all renderers that the driver holds (render/shader.h); any
+ * thread. */
+unsigned pel_renderer_programs(void);
+
 /* Shared by the views of one frame. */
 struct pel_environment {
     double time_s;

@@ -9,11 +9,11 @@ void pel_samples_finish(struct pel_samples *s)
     const GLuint fbos[] = { s->fbo, s->cover_fbo };
     glDeleteTextures(4, textures);
     glDeleteFramebuffers(2, fbos);
-    glDeleteProgram(s->raster[0]);
-    glDeleteProgram(s->raster[1]);
-    glDeleteProgram(s->any);
-    glDeleteProgram(s->sight);
-    glDeleteProgram(s->hide);
+    pel_program_delete(s->raster[0]);
+    pel_program_delete(s->raster[1]);
+    pel_program_delete(s->any);
+    pel_program_delete(s->sight);
+    pel_program_delete(s->hide);
     *s = (struct pel_samples){ 0 };
 }
 
@@ -23,7 +23,7 @@ enum pel_err pel_samples_need(struct pel_samples *s,
 {
     enum pel_err err = PEL_OK;
     if (s->sight && s->by_keys != p->compute) {
-        glDeleteProgram(s->sight);
+        pel_program_delete(s->sight);
         s->sight = 0;
     }
     s->by_keys = p->compute;
@@ -125,12 +125,12 @@ void pel_samples_sight(struct pel_samples *s, const GLint box[4])
     glBindTextureUnit(PEL_UNIT_OBJECT_DEPTHS, s->depths);
     glViewport(0, 0, (GLsizei)s->width, (GLsizei)s->height);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    glUseProgram(s->any);
+    pel_program_use(s->any);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthFunc(GL_LESS);
     glDepthMask(GL_FALSE);
-    glUseProgram(s->sight);
+    pel_program_use(s->sight);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glDepthMask(GL_TRUE);
     glBindTextureUnit(PEL_UNIT_OBJECT_COVER, s->cover);
@@ -147,7 +147,7 @@ void pel_samples_hide(struct pel_samples *s, GLuint fbo, const GLint box[4],
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
     glViewport(0, 0, (GLsizei)s->width, (GLsizei)s->height);
-    glUseProgram(s->hide);
+    pel_program_use(s->hide);
     glUniform1i(0, middles);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);

@@ -120,8 +120,8 @@ enum pel_err pel_sensing_need(struct pel_sensing *s,
 void pel_sensing_finish(struct pel_sensing *s)
 {
     for (int i = 0; i < PEL_LIGHT_KINDS; i++) {
-        glDeleteProgram(s->programs[i][0]);
-        glDeleteProgram(s->programs[i][1]);
+        pel_program_delete(s->programs[i][0]);
+        pel_program_delete(s->programs[i][1]);
     }
     glDeleteTextures(1, &s->rough);
     glDeleteTextures(1, &s->heats);
@@ -284,7 +284,7 @@ void pel_sensing_run(struct pel_sensing *s, const struct pel_programs *programs,
                      const struct pel_camera *c, const GLuint *planes)
 {
     struct numbers numbers = { 0 };
-    glUseProgram(s->programs[programs->light][is_thermal(c)]);
+    pel_program_use(s->programs[programs->light][is_thermal(c)]);
     if (is_thermal(c)) {
         fill_heat(env, c, &numbers);
         glBindTextureUnit(PEL_UNIT_SENSE_ROUGH, s->rough);

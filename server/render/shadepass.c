@@ -6,6 +6,7 @@
 #include "render/objects.h"
 #include "render/pass.h"
 #include "render/rendererstate.h"
+#include "render/shader.h"
 #include "render/targets.h"
 #include "render/tiles.h"
 
@@ -77,8 +78,8 @@ static void shade_tiles(struct pel_renderer *r, const struct pel_camera *c,
         GLint rect[4];
         rect_of(r, c, &run, rect);
         keep_to(rect);
-        glUseProgram(program_of(p, run.tile, objects, pass->kind,
-                                p->fragments[pass->kind]));
+        pel_program_use(program_of(p, run.tile, objects, pass->kind,
+                                   p->fragments[pass->kind]));
         pel_pass_use(pass);
         if (objects) {
             pel_objects_use(&r->objects, run.tile,
@@ -96,7 +97,7 @@ static void dispatch_tiles(struct pel_renderer *r, const struct pel_camera *c,
                            const struct pel_pass *pass, int wanted)
 {
     for (struct pel_tile_run run = { 0 }; pel_tiles_next(r->tiles, c, &run);) {
-        glUseProgram(program_of(
+        pel_program_use(program_of(
             p, run.tile, r->any_objects ? PEL_OBJECTS_ALL : PEL_OBJECTS_UNKNOWN,
             pass->kind, p->compute_program[pass->kind]));
         pel_pass_use(pass);
@@ -142,8 +143,8 @@ static void shade_objects(struct pel_renderer *r, const struct pel_camera *c,
             GLint rect[4];
             rect_of(r, c, &run, rect);
             keep_to(rect);
-            glUseProgram(pel_objects_program(&r->objects, sampled, run.tile,
-                                             pass->kind, fft));
+            pel_program_use(pel_objects_program(&r->objects, sampled, run.tile,
+                                                pass->kind, fft));
             pel_pass_use(pass);
             glDrawArrays(GL_TRIANGLES, 0, 3);
         }
@@ -189,14 +190,14 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     glEnable(GL_DEPTH_TEST);
     glBindTextureUnit(PEL_UNIT_TRIANGLES, r->targets.triangles);
     glDepthFunc(GL_EQUAL);
-    glUseProgram(r->programs.backdrop[r->programs.look][backdrop]);
+    pel_program_use(r->programs.backdrop[r->programs.look][backdrop]);
     pel_pass_use(pass);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     for (int i = 0; i < PEL_LIGHTS; i++) {
         if (discs[i].width > 0 && discs[i].height > 0) {
             glEnable(GL_SCISSOR_TEST);
             glScissor(discs[i].x, discs[i].y, discs[i].width, discs[i].height);
-            glUseProgram(r->programs.disc[r->programs.look][backdrop]);
+            pel_program_use(r->programs.disc[r->programs.look][backdrop]);
             pel_pass_use(pass);
             glDrawArrays(GL_TRIANGLES, 0, 3);
             glDisable(GL_SCISSOR_TEST);
@@ -209,7 +210,7 @@ static void shade(struct pel_renderer *r, const struct pel_camera *c,
     if (r->any_coast || r->any_objects || r->still) {
         shade_tiles(r, c, p, pass);
     } else {
-        glUseProgram(p->fragments[kind]);
+        pel_program_use(p->fragments[kind]);
         pel_pass_use(pass);
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
@@ -272,7 +273,7 @@ static void shade_compute(struct pel_renderer *r, const struct pel_camera *c,
     if (r->any_coast || r->any_objects) {
         dispatch_tiles(r, c, p, pass, wanted);
     } else {
-        glUseProgram(p->compute_program[pass->kind]);
+        pel_program_use(p->compute_program[pass->kind]);
         pel_pass_use(pass);
         glUniform1i(0, wanted);
         const GLint width = (GLint)c->width + 2 * r->margin;
@@ -303,8 +304,8 @@ static void begin_tone(struct pel_renderer *r, GLuint light, bool added)
     glBindTextureUnit(PEL_UNIT_RADIANCE, light);
     glDisable(GL_DEPTH_TEST);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, r->targets.color_fbo);
-    glUseProgram(r->programs.lamps ? r->lamps.tone[added][r->programs.light]
-                                   : r->programs.tone);
+    pel_program_use(r->programs.lamps ? r->lamps.tone[added][r->programs.light]
+                                      : r->programs.tone);
 }
 
 /* Once more where objects went over what was toned at once. */
@@ -366,7 +367,7 @@ void pel_shade_dispatches(struct pel_renderer *r, const struct pel_camera *c,
     } while (pel_pass_next(&pass, true));
     if (r->margin) {
         mix_edges(r, c, asked, asked & PEL_LAYER_COLOR);
-        glUseProgram(r->programs.clear_keys);
+        pel_program_use(r->programs.clear_keys);
         glDispatchCompute(
             pel_groups((int)c->width + 2 * r->margin, PEL_GROUP_LINE),
             (GLuint)c->height + 2 * (GLuint)r->margin, 1);

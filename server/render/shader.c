@@ -1,10 +1,12 @@
 #include "render/shader.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/log.h"
 #include "render/binaries.h"
@@ -12,6 +14,8 @@
 #define MOST_SHADER (1 << 20) /* bytes of a file */
 #define MOST_FILES 128
 #define MOST_NAME 64
+#define LOOK_NS 1000000000
+#define MOST_PROGRAMS (1 << 16) /* what a driver numbers higher stays */
 
 static const struct pel_shader_source *find_source(const char *name)
 {
@@ -200,33 +204,216 @@ static enum pel_err build(const char *shader_dir, const char *first,
     return err;
 }
 
-enum pel_err pel_program_create(const char *shader_dir, const char *first,
-                                const char *second, const char *defines,
-                                GLuint *out, struct pel_fault *fault)
+/* --- programs of the current context ------------------------------------- */
+
+/* As pel_program_create was given it. */
+struct recipe {
+    const char *dir, *first, *second, *defines;
+};
+
+struct held {
+    struct recipe recipe;
+    char *defines; /* its own; NULL: not held */
+    int64_t used_ns;
+    bool loaded;
+};
+
+/* By the programs' names, as a context is of one thread. */
+static _Thread_local struct {
+    struct held *at;
+    GLuint count;
+    unsigned loaded;
+    int64_t look_ns; /* when to look for what is too much */
+    bool failed;
+} table;
+static atomic_uint all_loaded, most_loaded = PEL_PROGRAMS_MOST;
+static _Atomic double most_idle_s = PEL_PROGRAMS_IDLE_S;
+
+void pel_program_limits(unsigned most, double idle_s)
+{
+    atomic_store(&most_loaded, most);
+    atomic_store(&most_idle_s, idle_s);
+}
+
+unsigned pel_programs_loaded(void)
+{
+    return atomic_load(&all_loaded);
+}
+
+bool pel_programs_failed(void)
+{
+    return table.failed;
+}
+
+static struct held *held_of(GLuint program)
+{
+    struct held *h = program < table.count ? &table.at[program] : NULL;
+    return h && h->defines ? h : NULL;
+}
+
+static void count_loaded(struct held *h, bool loaded)
+{
+    if (h->loaded != loaded) {
+        h->loaded = loaded;
+        table.loaded += loaded ? 1 : -1U;
+        atomic_fetch_add(&all_loaded, loaded ? 1 : -1U);
+    }
+}
+
+/* Its name stays, since whoever made it has that; a program that does nothing
+ * takes the place of what the driver keeps of it. */
+static void unload(GLuint program)
+{
+    static const char *const nothing =
+        "#version 450\nlayout(local_size_x = 1) in;\nvoid main() {}\n";
+    GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
+    glShaderSource(shader, 1, &nothing, NULL);
+    glCompileShader(shader);
+    glAttachShader(program, shader);
+    glLinkProgram(program);
+    glDetachShader(program, shader);
+    glDeleteShader(shader);
+    count_loaded(held_of(program), false);
+}
+
+/* Marks `program` as used now and unloads what is too much beside it, which is
+ * looked for once a second. */
+static void mark_used(struct held *h, GLuint program)
+{
+    const int64_t idle_ns = (int64_t)(atomic_load(&most_idle_s) * 1e9);
+    const unsigned most = atomic_load(&most_loaded);
+    h->used_ns = pel_now_ns();
+    if (table.loaded <= most || h->used_ns < table.look_ns) {
+        return;
+    }
+    table.look_ns = h->used_ns + (idle_ns < LOOK_NS ? idle_ns : LOOK_NS);
+    while (table.loaded > most) {
+        GLuint oldest = 0;
+        for (GLuint i = 1; i < table.count; i++) {
+            const struct held *other = &table.at[i];
+            if (other->loaded && i != program &&
+                other->used_ns <= h->used_ns - idle_ns &&
+                (!oldest || other->used_ns < table.at[oldest].used_ns)) {
+                oldest = i;
+            }
+        }
+        if (!oldest) {
+            return;
+        }
+        unload(oldest);
+    }
+}
+
+static enum pel_err load(const struct recipe *r, GLuint program,
+                         struct pel_fault *fault)
 {
     /* A folder's shaders may change. */
     char *key = NULL;
-    if (shader_dir || asprintf(&key, "%s %s %s", first, second ? second : "",
-                               defines ? defines : "") < 0) {
+    if (r->dir || asprintf(&key, "%s %s %s", r->first,
+                           r->second ? r->second : "", r->defines) < 0) {
         key = NULL;
     }
-    GLuint program = glCreateProgram();
     enum pel_err err = PEL_OK;
     if (!key || !pel_binaries_link(key, program)) {
         glProgramParameteri(program, GL_PROGRAM_BINARY_RETRIEVABLE_HINT,
                             key != NULL);
-        err = build(shader_dir, first, second, defines, program, fault);
+        err = build(r->dir, r->first, r->second, r->defines, program, fault);
         if (err == PEL_OK && key) {
             pel_binaries_keep(key, program);
         }
     }
     free(key);
+    return err;
+}
+
+/* Without memory it is not held, and stays loaded. */
+static void hold(const struct recipe *recipe, GLuint program)
+{
+    if (program >= table.count) {
+        GLuint count = program + 64;
+        struct held *grown = program < MOST_PROGRAMS
+                                 ? realloc(table.at, count * sizeof *grown)
+                                 : NULL;
+        if (!grown) {
+            return;
+        }
+        memset(grown + table.count, 0, (count - table.count) * sizeof *grown);
+        table.at = grown;
+        table.count = count;
+    }
+    struct held *held = &table.at[program];
+    *held =
+        (struct held){ .recipe = *recipe, .defines = strdup(recipe->defines) };
+    held->recipe.defines = held->defines;
+    if (held->defines) {
+        count_loaded(held, true);
+        mark_used(held, program);
+    }
+}
+
+enum pel_err pel_program_create(const char *shader_dir, const char *first,
+                                const char *second, const char *defines,
+                                GLuint *out, struct pel_fault *fault)
+{
+    const struct recipe recipe = { shader_dir, first, second,
+                                   defines ? defines : "" };
+    GLuint program = glCreateProgram();
+    enum pel_err err = load(&recipe, program, fault);
     if (err != PEL_OK) {
         glDeleteProgram(program);
         program = 0;
     } else {
         glObjectLabel(GL_PROGRAM, program, -1, second ? second : first);
+        hold(&recipe, program);
     }
     *out = program;
     return err;
+}
+
+void pel_program_use(GLuint program)
+{
+    struct held *h = held_of(program);
+    if (h && !h->loaded) {
+        struct pel_fault fault = { 0 };
+        if (load(&h->recipe, program, &fault) != PEL_OK) {
+            pel_error("RND-047", "a program could not be made again: %s",
+                      fault.message);
+            table.failed = true;
+        }
+        count_loaded(h, true);
+    }
+    if (h) {
+        mark_used(h, program);
+    }
+    glUseProgram(program);
+}
+
+static void drop(struct held *h)
+{
+    count_loaded(h, false);
+    free(h->defines);
+    *h = (struct held){ 0 };
+}
+
+void pel_program_delete(GLuint program)
+{
+    struct held *h = held_of(program);
+    if (h) {
+        drop(h);
+    }
+    glDeleteProgram(program);
+}
+
+void pel_programs_forget(void)
+{
+    for (GLuint i = 0; i < table.count; i++) {
+        if (table.at[i].defines) {
+            drop(&table.at[i]);
+        }
+    }
+    free(table.at);
+    table.at = NULL;
+    table.count = 0;
+    table.look_ns = 0;
+    table.failed = false;
 }

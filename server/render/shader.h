@@ -3,6 +3,7 @@
 #pragma once
 
 #include <epoxy/gl.h>
+#include <stdbool.h>
 
 #include "base/err.h"
 
@@ -28,9 +29,31 @@ extern const struct pel_shader_source pel_shader_sources[];
 char *pel_shader_read(const char *dir, const char *name);
 
 /* Links the named shaders (stage by suffix .vert .frag .comp; `second` NULL
- * for compute). `defines` is inserted after #version, NULL for none. GPU with
- * the compiler's words, traced to file and line, when it fails. */
+ * for compute). `shader_dir` and the names live as long as the context.
+ * `defines` is inserted after #version, NULL for none. GPU with the compiler's
+ * words, traced to file and line, when it fails. */
 PEL_CHECK enum pel_err pel_program_create(const char *shader_dir,
                                           const char *first, const char *second,
                                           const char *defines, GLuint *out,
                                           struct pel_fault *fault);
+void pel_program_delete(GLuint program); /* 0 is none */
+
+/* What weeks of weathers, lights and traffic have needed once would never be
+ * given back: a software device keeps 1 to 2 MB of a program. So of each
+ * context's programs beyond `most` those that nobody has used for `idle_s` [s]
+ * are unloaded, the longest unused first, while pictures are drawn. Any thread,
+ * for all contexts. */
+#define PEL_PROGRAMS_MOST 32
+#define PEL_PROGRAMS_IDLE_S 120.0
+void pel_program_limits(unsigned most, double idle_s);
+unsigned pel_programs_loaded(void); /* of all contexts; any thread */
+
+/* Draws with `program` from now on, 0: with none. One that was unloaded is made
+ * again, and its uniforms are zero: set them after this. */
+void pel_program_use(GLuint program);
+
+/* Whether one could not be: what was drawn with this context is not right. */
+bool pel_programs_failed(void);
+
+/* For a context that ends, on its thread. */
+void pel_programs_forget(void);

@@ -186,14 +186,14 @@ enum pel_err pel_sky_init(struct pel_sky *sky, const char *shader_dir,
 
 void pel_sky_finish(struct pel_sky *sky)
 {
-    glDeleteProgram(sky->transmittance_program);
+    pel_program_delete(sky->transmittance_program);
     for (int i = 0; i < PEL_LIGHT_PROGRAMS; i++) {
         for (int look = 0; look < PEL_SKY_LOOKS; look++) {
-            glDeleteProgram(sky->reflection_program[look][i]);
+            pel_program_delete(sky->reflection_program[look][i]);
         }
-        glDeleteProgram(sky->second_program[i]);
-        glDeleteProgram(sky->light_program[i]);
-        glDeleteProgram(sky->veiled_program[i]);
+        pel_program_delete(sky->second_program[i]);
+        pel_program_delete(sky->light_program[i]);
+        pel_program_delete(sky->veiled_program[i]);
     }
     const GLuint textures[] = { sky->transmittance, sky->airlight,
                                 sky->reflection, sky->second };
@@ -206,7 +206,7 @@ void pel_sky_finish(struct pel_sky *sky)
         finish_table(&sky->eyes[i]);
     }
     for (int i = 0; i < PEL_SKY_LOOKS; i++) {
-        glDeleteProgram(sky->table_program[i]);
+        pel_program_delete(sky->table_program[i]);
     }
     pel_panorama_map_finish(&sky->panorama);
     pel_night_textures_finish(&sky->night);
@@ -241,7 +241,7 @@ static void draw_screen(GLuint program, GLuint fbo, GLsizei width,
 {
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, fbo);
     glViewport(0, 0, width, height);
-    glUseProgram(program);
+    pel_program_use(program);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }
 
@@ -281,20 +281,20 @@ static void draw_table(struct pel_sky *sky, struct pel_sky_table *t,
                        const struct pel_environment *env)
 {
     GLuint program = sky->table_program[pel_sky_look(env)];
+    pel_program_use(program);
     glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
     glBindTextureUnit(PEL_UNIT_AIRLIGHT, sky->airlight);
     if (env->night.on) {
         const struct pel_rgb *air = &sky->night.air;
         glBindTextureUnit(PEL_UNIT_NIGHT, sky->night.zonal);
-        glProgramUniform3f(program, 2, (GLfloat)air->r, (GLfloat)air->g,
-                           (GLfloat)air->b);
+        glUniform3f(2, (GLfloat)air->r, (GLfloat)air->g, (GLfloat)air->b);
     }
     if (env->panorama) {
         glBindTextureUnit(PEL_UNIT_PANORAMA, sky->panorama.texture);
     }
-    glProgramUniform2f(program, 0, TABLE_WIDTH, TABLE_HEIGHT);
+    glUniform2f(0, TABLE_WIDTH, TABLE_HEIGHT);
     for (int i = 0; i < env->lit; i++) {
-        glProgramUniform1i(program, 1, i);
+        glUniform1i(1, i);
         draw_screen(program, t->fbos[i], TABLE_WIDTH, TABLE_HEIGHT);
     }
 }
@@ -360,7 +360,7 @@ static void veiled_light(struct pel_sky *sky, int at)
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LIGHT, sky->light);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
                     GL_SHADER_STORAGE_BARRIER_BIT);
-    glUseProgram(sky->veiled_program[at]);
+    pel_program_use(sky->veiled_program[at]);
     glDispatchCompute(1, 1, 1);
     glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
@@ -399,7 +399,7 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
         glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);
         glBindTextureUnit(PEL_UNIT_SKY_TABLE, sky->sea.radiance);
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LIGHT, sky->light);
-        glUseProgram(sky->light_program[at]);
+        pel_program_use(sky->light_program[at]);
         glDispatchCompute(1, 1, 1);
         glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                         GL_TEXTURE_FETCH_BARRIER_BIT);
@@ -416,8 +416,8 @@ void pel_sky_update(struct pel_sky *sky, const struct pel_environment *env,
             glBindTextureUnit(PEL_UNIT_PANORAMA, sky->panorama.texture);
         }
         const GLuint reflect = sky->reflection_program[pel_sky_look(env)][at];
-        glProgramUniform2f(reflect, 0, PEL_SKY_MAP_SIZE,
-                           (float)PEL_REFLECTION_HALF_WIDTH);
+        pel_program_use(reflect);
+        glUniform2f(0, PEL_SKY_MAP_SIZE, (float)PEL_REFLECTION_HALF_WIDTH);
         if (pel_light_veiled(env)) {
             bind_eye(user, PEL_SKY_SEA_HEIGHT);
             glBindTextureUnit(PEL_UNIT_TRANSMITTANCE, sky->transmittance);

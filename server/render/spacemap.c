@@ -348,9 +348,9 @@ static void draw_air(struct pel_space_map *m, const struct pel_sky *sky,
     glBindTextureUnit(PEL_UNIT_AIRLIGHT, sky->airlight);
     glDisable(GL_DEPTH_TEST);
     glViewport(0, 0, PEL_SPACE_COLUMNS, PEL_SPACE_ROWS);
-    glUseProgram(m->air_program);
+    pel_program_use(m->air_program);
     for (int i = 0; i < env->lit; i++) {
-        glProgramUniform1i(m->air_program, 1, i);
+        glUniform1i(1, i);
         glBindFramebuffer(GL_DRAW_FRAMEBUFFER, a->fbos[i]);
         glDrawArrays(GL_TRIANGLES, 0, 3);
     }
@@ -536,14 +536,14 @@ void pel_fill_space(const struct pel_space_map *m,
 
 void pel_space_map_finish(struct pel_space_map *m)
 {
-    glDeleteProgram(m->air_program);
+    pel_program_delete(m->air_program);
     for (int i = 0; i < PEL_LIGHTS; i++) {
-        glDeleteProgram(m->meter_program[0][i]);
-        glDeleteProgram(m->meter_program[1][i]);
+        pel_program_delete(m->meter_program[0][i]);
+        pel_program_delete(m->meter_program[1][i]);
     }
     pel_wind_map_finish(&m->winds);
     for (int i = 0; i < m->program_count; i++) {
-        glDeleteProgram(m->programs[i].program);
+        pel_program_delete(m->programs[i].program);
         free(m->programs[i].defines);
     }
     free(m->programs);

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "render/pass.h"
+#include "render/shader.h"
 #include "render/targets.h"
 #include "render/uniforms.h"
 
@@ -157,14 +158,15 @@ void pel_space_expose(struct pel_renderer *r, const struct pel_environment *env,
     const GLuint program =
         r->space.meter_program[here.weather != NULL][here.lit - 1];
     begin(r, env, c, height_m, true);
-    glProgramUniform1f(program, 0, (float)pel_space_share(env, height_m));
+    pel_program_use(program);
+    glUniform1f(0, (float)pel_space_share(env, height_m));
     pel_meter_use(&r->meter, program);
     pel_space_end(r, env);
 }
 
 static void draw(GLuint program, const struct pel_pass *pass)
 {
-    glUseProgram(program);
+    pel_program_use(program);
     pel_pass_use(pass);
     glDrawArrays(GL_TRIANGLES, 0, 3);
 }

@@ -8,6 +8,7 @@
 #include "render/acuity.h"
 #include "render/edges.h"
 #include "render/rendererstate.h"
+#include "render/shader.h"
 #include "render/spacepass.h"
 #include "render/uniforms.h"
 
@@ -380,10 +381,10 @@ enum pel_err pel_together_reserve(struct pel_renderer *r)
 void pel_together_finish(struct pel_together *t)
 {
     drop_memory(t);
-    glDeleteProgram(t->search);
-    glDeleteProgram(t->find);
-    glDeleteProgram(t->outline);
-    glDeleteProgram(t->clear);
+    pel_program_delete(t->search);
+    pel_program_delete(t->find);
+    pel_program_delete(t->outline);
+    pel_program_delete(t->clear);
     free(t->views);
     *t = (struct pel_together){ 0 };
 }
@@ -460,7 +461,7 @@ static void find_surface(struct pel_renderer *r,
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_KEYS, t->keys);
     glBindTextureUnit(PEL_UNIT_VERTICES, t->texels);
     if (all->vertices > 0) {
-        glUseProgram(programs->together_mesh);
+        pel_program_use(programs->together_mesh);
         glDispatchCompute(pel_groups(all->vertices, PEL_GROUP_LINE), 1, views);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT |
                         GL_TEXTURE_FETCH_BARRIER_BIT);
@@ -468,7 +469,7 @@ static void find_surface(struct pel_renderer *r,
     pel_stage_end(&r->timing, PEL_STAGE_MESH);
     meter(r, env);
     if (all->vertices > 0) {
-        glUseProgram(t->search);
+        pel_program_use(t->search);
         glDispatchCompute(pel_groups(2 * all->vertices, PEL_GROUP_LINE), 1,
                           views);
     }
@@ -497,11 +498,11 @@ static void list_outlines(struct pel_renderer *r, const struct extent *all)
     const GLuint views = (GLuint)t->count;
     begin_list(t->suspects, PEL_STORE_SUSPECTS, views);
     begin_list(t->edges, PEL_STORE_EDGES, views);
-    glUseProgram(t->find);
+    pel_program_use(t->find);
     glDispatchCompute(pel_groups(all->width, PEL_GROUP_LINE),
                       pel_groups(all->height, PEL_OUTLINE_ROWS), views);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-    glUseProgram(t->outline);
+    pel_program_use(t->outline);
     dispatch_by(t->suspects);
 }
 
@@ -520,7 +521,7 @@ static void shade(struct pel_renderer *r, const struct pel_environment *env,
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_RADIANCE,
                          t->radiance);
     }
-    glUseProgram(programs->together);
+    pel_program_use(programs->together);
     glDispatchCompute(pel_groups(all->width, PEL_GROUP_WIDE),
                       pel_groups(all->height, PEL_GROUP_LOW), (GLuint)t->count);
 }
@@ -529,11 +530,11 @@ static void mix_outlines(struct pel_renderer *r, const struct extent *all)
 {
     struct pel_together *t = &r->together;
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
-    glUseProgram(r->programs.together_mix);
+    pel_program_use(r->programs.together_mix);
     dispatch_by(t->edges);
     glBindBufferRange(GL_SHADER_STORAGE_BUFFER, PEL_STORE_KEYS, t->keys, 0,
                       (GLsizeiptr)(all->pixels * sizeof(GLuint)));
-    glUseProgram(t->clear);
+    pel_program_use(t->clear);
     glDispatchCompute(
         CLEAR_COLUMNS,
         pel_groups((int)all->pixels, (int)(CLEAR_COLUMNS * PEL_GROUP_LINE)), 1);

@@ -77,7 +77,7 @@ static enum pel_err need(struct pel_under_map *map, const char *shader_dir,
     }
     /* The oldest makes room: it is made again if it is wanted again. */
     if (map->program_count == PEL_UNDER_PROGRAMS) {
-        glDeleteProgram(map->programs[0].program);
+        pel_program_delete(map->programs[0].program);
         memmove(map->programs, map->programs + 1,
                 sizeof *map->programs * (PEL_UNDER_PROGRAMS - 1));
         map->program_count--;
@@ -191,10 +191,10 @@ void pel_under_map_rest(struct pel_under_map *map)
 void pel_under_map_finish(struct pel_under_map *map)
 {
     for (int i = 0; i < map->program_count; i++) {
-        glDeleteProgram(map->programs[i].program);
+        pel_program_delete(map->programs[i].program);
     }
-    glDeleteProgram(map->map_program);
-    glDeleteProgram(map->above_program);
+    pel_program_delete(map->map_program);
+    pel_program_delete(map->above_program);
     finish_light(map);
     finish_found(map);
     memset(map, 0, sizeof *map);
@@ -327,7 +327,7 @@ static void fill_map(struct pel_under_map *map,
                          map->kernels[kernel[1]]);
         glBindImageTexture(PEL_IMAGE_UNDER, map->map, 0, GL_TRUE, 0,
                            GL_WRITE_ONLY, GL_RGBA32F);
-        glUseProgram(map->map_program);
+        pel_program_use(map->map_program);
         glUniform1i(0, i);
         glUniform1f(1, (float)share);
         glDispatchCompute(ROWS, PEL_UNDER_LEVELS, 1);
@@ -438,7 +438,7 @@ void pel_under_map_shafts(struct pel_under_map *map,
     const GLuint *program = place_of(map, defines);
     glBindImageTexture(PEL_IMAGE_SHAFTS, map->shafts, 0, GL_TRUE, 0,
                        GL_WRITE_ONLY, GL_RGBA16F);
-    glUseProgram(program ? *program : 0);
+    pel_program_use(program ? *program : 0);
     glDispatchCompute(PEL_SHAFT_PLACES / PEL_GROUP_SIDE,
                       PEL_SHAFT_PLACES / PEL_GROUP_SIDE, PEL_SHAFT_DEPTHS);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT |
@@ -563,7 +563,7 @@ static void use(struct pel_under_map *map, const struct pel_environment *env,
     char defines[512];
     defines_of(env, p, part, kind, defines);
     const GLuint *program = place_of(map, defines);
-    glUseProgram(program ? *program : 0);
+    pel_program_use(program ? *program : 0);
 }
 
 static void find(struct pel_under_map *map, const struct pel_environment *env,

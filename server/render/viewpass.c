@@ -13,6 +13,7 @@
 #include "render/mark.h"
 #include "render/meshpass.h"
 #include "render/shadepass.h"
+#include "render/shader.h"
 #include "render/spacepass.h"
 #include "render/stilltiles.h"
 #include "render/uniforms.h"
@@ -96,7 +97,7 @@ static void displace_mesh(struct pel_renderer *r,
         &r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_RINGS, m->rings,
         sizeof *m->rings * (size_t)(m->ring_count ? m->ring_count : 1));
     glBindTextureUnit(PEL_UNIT_VERTICES, r->vertex_texels);
-    glUseProgram(p->mesh);
+    pel_program_use(p->mesh);
     pel_mesh_displace(m);
 }
 
@@ -106,7 +107,7 @@ static void search_surface(struct pel_renderer *r, bool under)
     int triangles = 2 * r->mesh->vertex_count;
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_KEYS, r->targets.keys);
     if (triangles > 0) {
-        glUseProgram(r->programs.search);
+        pel_program_use(r->programs.search);
         glUniform1i(0, r->mesh->vertex_count);
         glUniform1i(1, under);
         glDispatchCompute(pel_groups(triangles, PEL_GROUP_LINE), 1, 1);
@@ -139,7 +140,7 @@ static void raster_surface(struct pel_renderer *r, const struct pel_camera *c,
         glEnable(GL_CULL_FACE);
         glFrontFace(GL_CW);
     }
-    glUseProgram(r->programs.surface);
+    pel_program_use(r->programs.surface);
     glViewport(-PEL_RASTER_MARGIN, -PEL_RASTER_MARGIN,
                width + 2 * PEL_RASTER_MARGIN, height + 2 * PEL_RASTER_MARGIN);
     pel_mesh_draw(r->mesh);

@@ -164,7 +164,7 @@ void pel_water_light_finish(struct pel_water_light *w)
     glDeleteTextures(4, textures);
     glDeleteBuffers(PEL_WATER_BUFFERS, w->buffers);
     for (int i = 0; i < PEL_WATER_PROGRAMS; i++) {
-        glDeleteProgram(w->programs[i]);
+        pel_program_delete(w->programs[i]);
     }
     memset(w, 0, sizeof *w);
 }
@@ -272,7 +272,7 @@ static void scatter(struct pel_water_light *w)
     glBindTextureUnit(PEL_UNIT_WATER_ATTENUATION, w->attenuation_map);
     glBindImageTexture(PEL_IMAGE_WATER_PHASE, w->phase_map, 0, GL_TRUE, 0,
                        GL_WRITE_ONLY, GL_RGBA32F);
-    glUseProgram(w->programs[PEL_WATER_PHASE_MAP]);
+    pel_program_use(w->programs[PEL_WATER_PHASE_MAP]);
     glDispatchCompute(DIRECTIONS / PEL_GROUP_WATER, NODES, 1);
     glBindImageTexture(PEL_IMAGE_WATER_RADIANCE, w->radiance_map, 0, GL_TRUE, 0,
                        GL_WRITE_ONLY, GL_RGBA32F);
@@ -281,13 +281,13 @@ static void scatter(struct pel_water_light *w)
     GLuint radiance = w->programs[PEL_WATER_RADIANCE_MAP];
     GLuint scattering = w->programs[PEL_WATER_SCATTER_MAP];
     for (int level = 0; level < w->depths.levels; level++) {
-        glProgramUniform1i(radiance, 0, level);
-        glUseProgram(radiance);
+        pel_program_use(radiance);
+        glUniform1i(0, level);
         glDispatchCompute(DIRECTIONS / PEL_GROUP_WATER, NODES,
                           PEL_WATER_PLANES);
         glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-        glProgramUniform1i(scattering, 0, level);
-        glUseProgram(scattering);
+        pel_program_use(scattering);
+        glUniform1i(0, level);
         glDispatchCompute(NODES, NODES, 1);
         glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
                         GL_SHADER_STORAGE_BARRIER_BIT);
@@ -399,8 +399,8 @@ static void make_sky(struct pel_water_light *w, int light)
 {
     GLuint sky = w->programs[PEL_WATER_SKY];
     bind(w, PEL_STORE_WATER_ROWS, PEL_WATER_BUFFER_SKY_ROW);
-    glProgramUniform1i(sky, 0, light);
-    glUseProgram(sky);
+    pel_program_use(sky);
+    glUniform1i(0, light);
     glDispatchCompute(PEL_WATER_MODES, 1, 1);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
@@ -423,8 +423,8 @@ static void map_light(struct pel_water_light *w, int light)
     GLuint map = w->programs[PEL_WATER_MAP];
     make_sky(w, light);
     bind(w, PEL_STORE_WATER_ROWS, PEL_WATER_BUFFER_MAP_ROW);
-    glProgramUniform1i(map, 0, light);
-    glUseProgram(map);
+    pel_program_use(map);
+    glUniform1i(0, light);
     glDispatchCompute(SIZE, (GLuint)w->depths.levels, 1);
     glMemoryBarrier(GL_UNIFORM_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT |
                     GL_TEXTURE_FETCH_BARRIER_BIT |

@@ -39,7 +39,7 @@ void pel_water_prober_finish(struct pel_water_prober *p)
 {
     if (p->program) {
         pel_water_light_finish(&p->light);
-        glDeleteProgram(p->program);
+        pel_program_delete(p->program);
         glDeleteBuffers(1, &p->unit);
         glDeleteTextures(1, &p->black);
     }
@@ -69,7 +69,7 @@ static void look(struct pel_water_prober *p, const double (*views)[2],
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_PROBE_ANSWERS,
                      buffers[1]);
     glBindTextureUnit(PEL_UNIT_WATER, p->light.map);
-    glUseProgram(p->program);
+    pel_program_use(p->program);
     glDispatchCompute((GLuint)(count + PEL_GROUP_WATER - 1) / PEL_GROUP_WATER,
                       1, 1);
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);

@@ -6,6 +6,7 @@
 
 #include "ocean/evolve.h"
 #include "ocean/foam.h"
+#include "render/shader.h"
 #include "render/worker_pool.h"
 #include "shaders/lib/blocks.h"
 
@@ -273,7 +274,7 @@ static void make_levels(GLuint field, GLenum format, GLint from, GLuint layers)
 static void make_all_levels(const struct pel_wavefield *field)
 {
     const struct pel_wavefield_textures *set = &field->sets[field->current];
-    glUseProgram(field->mips_program);
+    pel_program_use(field->mips_program);
     for (GLint from = 0; from + 1 < LEVELS; from += PEL_MIPS) {
         glUniform1i(0, from);
         make_levels(set->displacement, GL_RGBA32F, from, PEL_CASCADES);
@@ -290,11 +291,11 @@ static void make_all_levels(const struct pel_wavefield *field)
 static void transform_breaking(struct pel_wavefield *field, double time_s)
 {
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    glUseProgram(field->foam_programs[0]);
+    pel_program_use(field->foam_programs[0]);
     glUniform1d(0, time_s);
     glDispatchCompute(1, N, PEL_FOAM_CASCADES);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    glUseProgram(field->foam_programs[1]);
+    pel_program_use(field->foam_programs[1]);
     bind_breaking(field, 0);
     glDispatchCompute(1, N, PEL_FOAM_CASCADES);
 }
@@ -306,11 +307,11 @@ static void transform_by_shaders(struct pel_wavefield *field, double time_s)
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LINES, field->lines);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_MODES,
                      field->parameters);
-    glUseProgram(field->rows_program);
+    pel_program_use(field->rows_program);
     glUniform1d(0, time_s);
     glDispatchCompute(1, N, PEL_CASCADES);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    glUseProgram(field->columns_program);
+    pel_program_use(field->columns_program);
     bind_images(field, 0);
     glDispatchCompute(1, N, PEL_CASCADES);
     if (field->foam) {
@@ -405,11 +406,11 @@ void pel_wavefield_finish(struct pel_wavefield *field)
         glDeleteTextures(4, fields);
     }
     for (int i = 0; i < 2; i++) {
-        glDeleteProgram(field->foam_programs[i]);
+        pel_program_delete(field->foam_programs[i]);
     }
-    glDeleteProgram(field->rows_program);
-    glDeleteProgram(field->columns_program);
-    glDeleteProgram(field->mips_program);
+    pel_program_delete(field->rows_program);
+    pel_program_delete(field->columns_program);
+    pel_program_delete(field->mips_program);
     cpu_destroy(field->cpu);
     *field = (struct pel_wavefield){ 0 };
 }

@@ -44,8 +44,8 @@ enum pel_err pel_ycbcr_need(struct pel_ycbcr_pass *p, bool together,
 
 void pel_ycbcr_finish(struct pel_ycbcr_pass *p)
 {
-    glDeleteProgram(p->one);
-    glDeleteProgram(p->together);
+    pel_program_delete(p->one);
+    pel_program_delete(p->together);
     glDeleteBuffers(1, &p->colors);
     *p = (struct pel_ycbcr_pass){ 0 };
 }
@@ -118,7 +118,7 @@ void pel_ycbcr_end(struct pel_ycbcr_pass *p, const struct pel_ycbcr_view *views,
                       PEL_TOGETHER_MOST, buffers);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_COLORS, p->colors);
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    glUseProgram(p->together);
+    pel_program_use(p->together);
     glUniform4uiv(0, (GLsizei)count, of[0]);
     glUniform1uiv(PEL_TOGETHER_MOST, (GLsizei)count, forms);
     dispatch(views, count);
@@ -131,7 +131,7 @@ void pel_ycbcr_one(struct pel_ycbcr_pass *p, GLuint colors, int aside,
                      pel_readback_buffer(view->slot));
     glBindTextureUnit(PEL_UNIT_COLORS, colors);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
-    glUseProgram(p->one);
+    pel_program_use(p->one);
     glUniform4ui(0, view->width, view->height, (GLuint)aside, 0);
     glUniform1ui(PEL_TOGETHER_MOST, (GLuint)view->form);
     dispatch(view, 1);

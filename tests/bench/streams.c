@@ -2,7 +2,7 @@
  * of these is the limit; the encoders' own cost and what comes with it here.
  *
  *   bench_streams [--device NAME] [--views 1,8,32,64] [--seconds 3]
- *                 [--threads N] [--json FILE]
+ *                 [--sea trochoids|fft] [--threads N] [--json FILE]
  *
  * The renderer and the encoders are the daemon's, from mapped readback buffers
  * to bytes; one encoder a view, a thread a core, nothing left out: what is full
@@ -27,6 +27,7 @@
 #include "encode/encode.h"
 #include "encode/planes.h"
 #include "encode/video.h"
+#include "frames/pictureplanes.h"
 #include "tests/bench/scene.h"
 
 #define WIDTH 1280
@@ -47,7 +48,10 @@ static struct {
     const char *device, *json, *views;
     double seconds;
     int threads;
-} options = { "software", "build/bench-streams.json", "1,8,32,64", 3.0, 0 };
+    bool fft;
+} options = {
+    "software", "build/bench-streams.json", "1,8,32,64", 3.0, 0, false
+};
 
 static struct pel_renderer *renderer;
 static struct pel_sea sea;
@@ -83,8 +87,12 @@ static size_t encode(struct pel_video *video, const struct pel_picture *p,
 {
     struct pel_bytes bytes = { 0 };
     enum pel_err err = PEL_OK;
+    struct pel_planes_given given;
+    const struct pel_planes_given *planes =
+        pel_picture_planes(p, &given) ? &given : NULL;
     if (work == WORK_JPEG) {
         const struct pel_encode_input in = { .rgba = p->rgba,
+                                             .planes = planes,
                                              .width = p->width,
                                              .height = p->height,
                                              .quality = QUALITY };
@@ -92,6 +100,7 @@ static size_t encode(struct pel_video *video, const struct pel_picture *p,
     } else if (work == WORK_H264) {
         const struct pel_video_picture picture = {
             .rgba = p->rgba,
+            .planes = planes,
             .width = p->width,
             .height = p->height,
             .stamp_ns = pel_now_ns(),
@@ -199,6 +208,7 @@ static void set_up_views(void)
     struct bench_scene s = bench_default;
     s.width = WIDTH;
     s.height = HEIGHT;
+    s.fft = options.fft;
     if (bench_sea(&s, &sea) != PEL_OK) {
         die("the sea cannot be built");
     }
@@ -263,6 +273,14 @@ static struct rate measure(size_t views, enum work work)
     pthread_t threads[MAX_THREADS];
     line.view_count = views;
     line.work = work;
+    /* As the daemon asks; devices that make none give pixels. */
+    static const enum pel_ycbcr planes[WORKS] = {
+        [WORK_JPEG] = PEL_YCBCR_JPEG,
+        [WORK_H264] = PEL_YCBCR_VIDEO,
+    };
+    for (size_t i = 0; i < views; i++) {
+        draws[i].ycbcr = planes[work];
+    }
     start_encoders(threads);
     draw_frame(views);
     draw_frame(views);
@@ -629,6 +647,7 @@ static void parse(int argc, char **argv)
         { "device", required_argument, NULL, 'd' },
         { "views", required_argument, NULL, 'v' },
         { "seconds", required_argument, NULL, 's' },
+        { "sea", required_argument, NULL, 'w' },
         { "threads", required_argument, NULL, 't' },
         { "json", required_argument, NULL, 'j' },
         { 0 },
@@ -645,6 +664,12 @@ static void parse(int argc, char **argv)
         case 's':
             options.seconds = atof(optarg);
             break;
+        case 'w':
+            options.fft = strcmp(optarg, "fft") == 0;
+            if (!options.fft && strcmp(optarg, "trochoids") != 0) {
+                die("--sea: trochoids or fft");
+            }
+            break;
         case 't':
             options.threads = atoi(optarg);
             break;
@@ -652,9 +677,10 @@ static void parse(int argc, char **argv)
             options.json = optarg;
             break;
         default:
-            fprintf(stderr, "usage: bench_streams [--device auto|software|N] "
-                            "[--views 1,8,32,64] [--seconds S] [--threads N] "
-                            "[--json FILE]\n");
+            fprintf(stderr,
+                    "usage: bench_streams [--device auto|software|N] "
+                    "[--views 1,8,32,64] [--seconds S] "
+                    "[--sea trochoids|fft] [--threads N] [--json FILE]\n");
             exit(2);
         }
     }
