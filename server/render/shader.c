@@ -218,7 +218,7 @@ struct held {
     bool loaded;
 };
 
-/* By the programs' names, as a context is of one thread. */
+/* By the programs' names; a thread has one context. */
 static _Thread_local struct {
     struct held *at;
     GLuint count;

@@ -72,7 +72,9 @@ struct view {
 
 static struct {
     pthread_mutex_t lock; /* protects queues, ended */
-    pthread_cond_t changed;
+    /* Each wakes one thread: where all woke, at each picture, half of what this
+     * measures was their waking. */
+    pthread_cond_t work_for[MAX_THREADS], room;
     struct view views[MAX_VIEWS];
     size_t view_count;
     int threads;
@@ -80,7 +82,7 @@ static struct {
     enum work work;
     atomic_ullong pictures, bytes;
 } line = { .lock = PTHREAD_MUTEX_INITIALIZER,
-           .changed = PTHREAD_COND_INITIALIZER };
+           .room = PTHREAD_COND_INITIALIZER };
 
 static size_t encode(struct pel_video *video, const struct pel_picture *p,
                      enum work work)
@@ -134,7 +136,7 @@ static void *run_encoder(void *argument)
             break;
         }
         if (!view) {
-            pthread_cond_wait(&line.changed, &line.lock);
+            pthread_cond_wait(&line.work_for[first], &line.lock);
             continue;
         }
         struct pel_picture *picture = view->queue[0];
@@ -146,7 +148,7 @@ static void *run_encoder(void *argument)
         pthread_mutex_lock(&line.lock);
         view->queue[0] = view->queue[1];
         view->count--;
-        pthread_cond_broadcast(&line.changed);
+        pthread_cond_signal(&line.room);
     }
     pthread_mutex_unlock(&line.lock);
     return NULL;
@@ -162,10 +164,10 @@ static void hand_over(struct pel_picture *picture)
     }
     pthread_mutex_lock(&line.lock);
     while (view->count == QUEUED) {
-        pthread_cond_wait(&line.changed, &line.lock);
+        pthread_cond_wait(&line.room, &line.lock);
     }
     view->queue[view->count++] = picture;
-    pthread_cond_broadcast(&line.changed);
+    pthread_cond_signal(&line.work_for[(view - line.views) % line.threads]);
     pthread_mutex_unlock(&line.lock);
 }
 
@@ -177,6 +179,7 @@ static void start_encoders(pthread_t threads[MAX_THREADS])
         line.views[i] = (struct view){ .video = pel_video_create(&config) };
     }
     for (int i = 0; i < line.threads; i++) {
+        pthread_cond_init(&line.work_for[i], NULL);
         if (pthread_create(&threads[i], NULL, run_encoder,
                            (void *)(uintptr_t)i) != 0) {
             die("no thread");
@@ -188,7 +191,9 @@ static void stop_encoders(pthread_t threads[MAX_THREADS])
 {
     pthread_mutex_lock(&line.lock);
     line.ended = true;
-    pthread_cond_broadcast(&line.changed);
+    for (int i = 0; i < line.threads; i++) {
+        pthread_cond_signal(&line.work_for[i]);
+    }
     pthread_mutex_unlock(&line.lock);
     for (int i = 0; i < line.threads; i++) {
         pthread_join(threads[i], NULL);
