@@ -115,8 +115,8 @@ SOURCES = {
                   r"500 kills: median " + N + " s"),
     "lost_ms": ("docs/reliability.md", "Disk, memory, device, time",
                 r"a picture with a loss takes " + N + " ms at the median"),
-    "soak_mb": ("docs/reliability.md", "Disk, memory, device, time",
-                r"at most " + N + " MB resident in the first ten"),
+    "soak_mb": ("docs/reliability.md", "A mixed load",
+                r"at most meanwhile \| [^|]+ \| " + N + " MB"),
 }
 WORDS = {"four": 4.0}
 
