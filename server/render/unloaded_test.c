@@ -70,8 +70,11 @@ static void pictures_are_the_same(void **state)
     const double freed = (double)before - (double)held_bytes();
     print_message("%u programs; each that is unloaded gives back %.0f kB\n",
                   all, freed / 1e3 / (all - 1));
-    /* 300 to 2000 kB; what the driver's caches of texts keep is not ours. */
-    assert_true(all > 30 && freed > 100e3 * all);
+    assert_true(all > 30);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    /* 1.7 MB; a sanitizer's allocator does not count for mallinfo. */
+    assert_true(freed > 500e3 * all);
+#endif
     assert_false(pel_renderer_lost(renderer));
     pel_program_limits(PEL_PROGRAMS_MOST, PEL_PROGRAMS_IDLE_S);
 }
