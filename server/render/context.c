@@ -305,7 +305,7 @@ bool pel_context_lost(const struct pel_context *context)
 
 void pel_context_finish(struct pel_context *context)
 {
-    pel_programs_forget();
+    pel_program_forget_all();
     if (context->display) {
         eglMakeCurrent(context->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
                        EGL_NO_CONTEXT);

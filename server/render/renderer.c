@@ -201,7 +201,7 @@ static void bind_table_eye(void *user, double height_m)
 
 unsigned pel_renderer_programs(void)
 {
-    return pel_programs_loaded();
+    return pel_program_count();
 }
 
 bool pel_renderer_in_compute(const struct pel_renderer *r)
@@ -554,7 +554,7 @@ void pel_renderer_drop_bands(struct pel_renderer *r)
 bool pel_renderer_lost(struct pel_renderer *r)
 {
     r->lost = r->lost || pel_context_lost(&r->context) ||
-              pel_programs_failed() ||
+              pel_program_failed() ||
               (r->lose_after > 0 && r->readback.pushed >= r->lose_after);
     return r->lost;
 }

@@ -226,8 +226,8 @@ static _Thread_local struct {
     int64_t look_ns; /* when to look for what is too much */
     bool failed;
 } table;
-static atomic_uint all_loaded, most_loaded = PEL_PROGRAMS_MOST;
-static _Atomic double most_idle_s = PEL_PROGRAMS_IDLE_S;
+static atomic_uint all_loaded, most_loaded = PEL_PROGRAM_MOST;
+static _Atomic double most_idle_s = PEL_PROGRAM_IDLE_S;
 
 void pel_program_limits(unsigned most, double idle_s)
 {
@@ -235,12 +235,12 @@ void pel_program_limits(unsigned most, double idle_s)
     atomic_store(&most_idle_s, idle_s);
 }
 
-unsigned pel_programs_loaded(void)
+unsigned pel_program_count(void)
 {
     return atomic_load(&all_loaded);
 }
 
-bool pel_programs_failed(void)
+bool pel_program_failed(void)
 {
     return table.failed;
 }
@@ -404,7 +404,7 @@ void pel_program_delete(GLuint program)
     glDeleteProgram(program);
 }
 
-void pel_programs_forget(void)
+void pel_program_forget_all(void)
 {
     for (GLuint i = 0; i < table.count; i++) {
         if (table.at[i].defines) {

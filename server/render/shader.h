@@ -39,21 +39,22 @@ PEL_CHECK enum pel_err pel_program_create(const char *shader_dir,
 void pel_program_delete(GLuint program); /* 0 is none */
 
 /* What weeks of weathers, lights and traffic have needed once would never be
- * given back: a software device keeps 1 to 2 MB of a program. So of each
- * context's programs beyond `most` those that nobody has used for `idle_s` [s]
- * are unloaded, the longest unused first, while pictures are drawn. Any thread,
- * for all contexts. */
-#define PEL_PROGRAMS_MOST 32
-#define PEL_PROGRAMS_IDLE_S 120.0
+ * given back: a software device keeps 1 to 2 MB of a program. A view of the
+ * open sea has some 20, a wall of many kinds of views 40. So of each context's
+ * programs beyond `most` those that nobody has used for `idle_s` [s] are
+ * unloaded, the longest unused first, while pictures are drawn. Any thread, for
+ * all contexts. */
+#define PEL_PROGRAM_MOST 32
+#define PEL_PROGRAM_IDLE_S 120.0
 void pel_program_limits(unsigned most, double idle_s);
-unsigned pel_programs_loaded(void); /* of all contexts; any thread */
+unsigned pel_program_count(void); /* of all contexts; any thread */
 
 /* Draws with `program` from now on, 0: with none. One that was unloaded is made
  * again, and its uniforms are zero: set them after this. */
 void pel_program_use(GLuint program);
 
 /* Whether one could not be: what was drawn with this context is not right. */
-bool pel_programs_failed(void);
+bool pel_program_failed(void);
 
 /* For a context that ends, on its thread. */
-void pel_programs_forget(void);
+void pel_program_forget_all(void);

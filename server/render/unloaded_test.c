@@ -76,7 +76,7 @@ static void pictures_are_the_same(void **state)
     assert_true(freed > 500e3 * all);
 #endif
     assert_false(pel_renderer_lost(renderer));
-    pel_program_limits(PEL_PROGRAMS_MOST, PEL_PROGRAMS_IDLE_S);
+    pel_program_limits(PEL_PROGRAM_MOST, PEL_PROGRAM_IDLE_S);
 }
 
 /* What has just been used stays, however many there are. */
@@ -93,7 +93,7 @@ static void what_is_in_use_stays(void **state)
         pel_picture_release(draw(renderer, i));
     }
     assert_int_equal(pel_renderer_programs(), two);
-    pel_program_limits(PEL_PROGRAMS_MOST, PEL_PROGRAMS_IDLE_S);
+    pel_program_limits(PEL_PROGRAM_MOST, PEL_PROGRAM_IDLE_S);
 }
 
 /* A folder of shaders, to take one away. */
@@ -145,7 +145,7 @@ static void a_program_that_is_gone_is_a_loss(void **state)
     assert_int_equal(unlink(path), 0);
     pel_picture_release(draw(renderer, 0));
     assert_true(pel_renderer_lost(renderer));
-    pel_program_limits(PEL_PROGRAMS_MOST, PEL_PROGRAMS_IDLE_S);
+    pel_program_limits(PEL_PROGRAM_MOST, PEL_PROGRAM_IDLE_S);
     nftw(folder, remove_one, 8, FTW_DEPTH | FTW_PHYS);
 }
 
