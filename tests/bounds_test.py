@@ -57,8 +57,7 @@ class Case(unittest.TestCase):
     def rises(self, bound):
         before = self.counted(bound)
         yield VALUE[bound]
-        until(f"{COUNTERS[bound]} rises", lambda: self.counted(bound) > before,
-              20)
+        until(f"{COUNTERS[bound]} rises", lambda: self.counted(bound) > before)
 
     def session(self):
         session = Session(self.daemon.connect_unix())

@@ -12,6 +12,8 @@ import socket
 import struct
 import time
 
+from pelagos_daemon import SLOW_S
+
 # --- host to image generator ------------------------------------------------
 
 
@@ -322,7 +324,7 @@ class Host:
             frames.append(frame)
         return frames
 
-    def settle(self, number=None, timeout=60.0):
+    def settle(self, number=None, timeout=SLOW_S):
         """Frames until one knows host frame `number` (the newest)."""
         number = self.frame if number is None else number
         frames = []

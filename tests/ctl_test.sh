@@ -327,16 +327,12 @@ jq -e '.[0].frames > 0 and .[0].views == 2 and .[0].renderMsMedian > 0' \
 
 echo "== libpelagos from C"
 built=${PELAGOS_BIN%/bin}
-case $built in
-*/asan) sanitize=-fsanitize=address,undefined ;;
-*) sanitize= ;;
-esac
-cc $sanitize -Iclients/lib "-I$built/gen" clients/lib/example.c \
+cc ${PELAGOS_CC_FLAGS-} -Iclients/lib "-I$built/gen" clients/lib/example.c \
     "$built/libpelagos.a" -lprotobuf-c -lssl -lcrypto -o "$work/example" ||
     fail "the example does not build"
 "$work/example" "$work/example.jpg" "$PELAGOS_SERVER" || fail "the example"
 file_starts "$work/example.jpg" 3 ffd8ff
-cc $sanitize -Iclients/lib "-I$built/gen" clients/lib/save_live.c \
+cc ${PELAGOS_CC_FLAGS-} -Iclients/lib "-I$built/gen" clients/lib/save_live.c \
     "$built/libpelagos.a" -lprotobuf-c -lssl -lcrypto -o "$work/save_live" ||
     fail "the example of live pictures does not build"
 "$work/save_live" wing "$work/live.mjpeg" 1 "http://127.0.0.1:$http" \

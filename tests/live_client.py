@@ -11,6 +11,8 @@ import socket
 import struct
 import time
 
+from pelagos_daemon import SLOW_S
+
 HEADER = struct.Struct("<BBBBHHQdQQIIIIQQHH4x")
 FIELDS = ("version kind flags size width height number time host stamp drawn "
           "encoded queued missed revision present drawn_width "
@@ -46,7 +48,7 @@ class Head:
 
 
 class Live:
-    def __init__(self, daemon, view, query="", headers=(), timeout=60,
+    def __init__(self, daemon, view, query="", headers=(), timeout=SLOW_S,
                  buffer=None):
         self.opened = time.monotonic()
         self.socket = socket.socket()

@@ -10,10 +10,12 @@ import { fileURLToPath } from "node:url";
 
 export const ROOT = path.dirname(path.dirname(fileURLToPath(import.meta.url)));
 const BIN = process.env.PELAGOS_BIN ?? path.join(ROOT, "build/release/bin");
+// What "at once" may take, as in pelagos_daemon.py.
+const SLOW_MS = BIN.includes("tsan") || BIN.includes("asan") ? 240000 : 60000;
 
 export const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 
-export async function until(what, test, ms = 60000) {
+export async function until(what, test, ms = SLOW_MS) {
   const end = performance.now() + ms;
   let last;
   while (performance.now() < end) {

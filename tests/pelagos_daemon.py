@@ -27,7 +27,9 @@ BIN = os.environ.get("PELAGOS_BIN", os.path.join(ROOT, "build/release/bin"))
 SANITIZED = "asan" in BIN or "tsan" in BIN
 # What "at once" may take: a shared machine, half a core, sanitizers. Tests
 # wait for events, at most this long, and assert no times.
-SLOW_S = 60.0
+SLOW_S = 240.0 if SANITIZED else 60.0
+# For a user's program that is compiled against the libraries of the build.
+CC_FLAGS = os.environ.get("PELAGOS_CC_FLAGS", "").split()
 
 
 given_ports = collections.deque(maxlen=50)
@@ -170,7 +172,10 @@ class Daemon:
     def metrics(self):
         """{'name{labels}': value}"""
         out = {}
-        for line in self.get("/metrics").body.decode().splitlines():
+        # Where every connection is taken it is told to come later.
+        answer = until("/metrics answers", lambda: (
+            r := self.get("/metrics")).status == 200 and r)
+        for line in answer.body.decode().splitlines():
             if line and not line.startswith("#"):
                 name, value = line.rsplit(" ", 1)
                 out[name] = float(value)

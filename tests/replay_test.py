@@ -14,7 +14,8 @@ from pymodbus.client import ModbusTcpClient
 
 import cigi_host as cigi
 from modbus_test import check, floats
-from pelagos_daemon import BIN, Daemon, free_port, read_varint, schema, until
+from pelagos_daemon import (BIN, SLOW_S, Daemon, free_port, read_varint, schema,
+                            until)
 
 VIEW = {"views": {"bridge": {"width": 160, "height": 90, "up": 12}}}
 WIND, COMMIT = 10, 5
@@ -29,7 +30,7 @@ def sentence(body):
 
 def ctl(daemon, *words, status=0):
     done = subprocess.run(
-        [os.path.join(BIN, "pelagosctl"), "--timeout", "60", "--server",
+        [os.path.join(BIN, "pelagosctl"), "--timeout", f"{SLOW_S:.0f}", "--server",
          f"tcp:127.0.0.1:{daemon.tcp_port}", *words],
         capture_output=True, text=True, timeout=300, check=False)
     check(done.returncode == status,

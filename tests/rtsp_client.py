@@ -3,11 +3,13 @@ import socket
 import struct
 import time
 
+from pelagos_daemon import SLOW_S
+
 
 class RtspClient:
     """RTP over the RTSP connection itself (interleaved), as far as needed."""
 
-    def __init__(self, port, view, buffer=None, timeout=60.0):
+    def __init__(self, port, view, buffer=None, timeout=SLOW_S):
         self.url = f"rtsp://127.0.0.1:{port}/{view}"
         self.socket = socket.socket()
         if buffer:

@@ -6,7 +6,7 @@ import sys
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import BIN, ROOT, SLOW_S, Daemon
+from pelagos_daemon import BIN, CC_FLAGS, ROOT, SLOW_S, Daemon
 from security_test import OTHER, TOKEN, Case
 
 
@@ -70,7 +70,6 @@ class Clients(Case):
     def test_c_examples(self):
         """example.c through TLS and save_live.c over HTTP, with the token."""
         built = os.path.dirname(BIN)
-        flags = ([] if "asan" not in BIN else ["-fsanitize=address,undefined"])
         for name, arguments, start in (
                 ("example", ["out.jpg", f"tls:localhost:"
                              f"{self.daemon.tcp_port}"], b"\xff\xd8"),
@@ -78,7 +77,7 @@ class Clients(Case):
                                self.daemon.url("")], b"\xff\xd8")):
             program = os.path.join(self.folder, name)
             subprocess.run(
-                ["cc", *flags, "-I", os.path.join(ROOT, "clients/lib"), "-I",
+                ["cc", *CC_FLAGS, "-I", os.path.join(ROOT, "clients/lib"), "-I",
                  os.path.join(built, "gen"),
                  os.path.join(ROOT, f"clients/lib/{name}.c"),
                  os.path.join(built, "libpelagos.a"), "-lprotobuf-c", "-lssl",

@@ -13,7 +13,7 @@ import unittest
 import numpy as np
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import BIN, ROOT, SANITIZED, SLOW_S
+from pelagos_daemon import BIN, CC_FLAGS, ROOT, SLOW_S
 from python_client_test import OceanCase
 from pelagos import Ocean
 
@@ -36,11 +36,9 @@ class Sense(OceanCase):
         flags = subprocess.run(
             ["pkg-config", "--cflags", "--libs", "OpenEXR"], check=True,
             capture_output=True, text=True).stdout.split()
-        sanitize = (["-fsanitize=address,undefined"]
-                    if SANITIZED and "asan" in BIN else [])
         subprocess.run(
             ["cc", "-std=c17", "-D_GNU_SOURCE", "-Wall", "-Wextra", "-Werror",
-             *sanitize, "-I", f"{ROOT}/clients/lib", "-I", f"{BUILT}/gen",
+             *CC_FLAGS, "-I", f"{ROOT}/clients/lib", "-I", f"{BUILT}/gen",
              f"{ROOT}/clients/lib/sense.c", "-o", f"{folder}/sense", *library,
              *flags, "-lOpenEXRCore", "-lm"], check=True)
         return [f"{folder}/sense", "bow", f"tcp:127.0.0.1:{self.daemon.tcp_port}"]
