@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "encode/jpegcode.h"
 #include "encode/photo.h"
 #include "encode/planes.h"
 
@@ -56,6 +57,9 @@ struct pel_encode_input {
     /* Instead of rgba, for JPEG: full range, whole blocks of 16x16 pixels,
      * beyond the picture its last column and row again. */
     const struct pel_planes_given *planes;
+    /* Instead of both: what a device coded of them, in the file's size and
+     * with its quality. */
+    const struct pel_jpeg_scan *scan;
     uint32_t out_width, out_height;       /* of the file; 0: as they are */
     int quality;                          /* 1..100 */
     const struct pel_photo_blocks *photo; /* into the file; NULL: nothing */
@@ -79,8 +83,9 @@ struct pel_encode_input {
 typedef enum pel_err pel_encode(const struct pel_encode_input *in,
                                 struct pel_bytes *out);
 
-/* RGBA or planes, quality and the file's size to JPEG 4:2:0 (libyuv's planes,
- * libjpeg-turbo); not cancelled, it takes milliseconds. */
+/* RGBA, planes or a scan, quality and the file's size to JPEG 4:2:0 (libyuv's
+ * planes, libjpeg-turbo); not cancelled, it takes milliseconds. INTERNAL too
+ * where the scan is none. */
 PEL_CHECK pel_encode pel_jpeg_encode;
 
 /* RGBA to 8-bit RGB PNG (libspng), sRGB chunk set; alpha is dropped. INVALID

@@ -274,11 +274,9 @@ static struct pel_planes writable(const struct pel_planes_given *p)
 }
 
 /* What was made, in memory of the caller's. */
-static enum pel_err hand_out(struct compressor *compressor,
+static enum pel_err hand_out(const struct compressor *compressor, size_t size,
                              struct pel_bytes *out)
 {
-    jpeg_finish_compress(&compressor->library);
-    size_t size = compressor->scratch_size;
     out->data = malloc(size);
     if (!out->data) {
         return PEL_ERR_NO_MEMORY;
@@ -305,7 +303,10 @@ static enum pel_err compress(struct compressor *compressor, const uint8_t *rgba,
         } else {
             write_planes(compressor, planes);
         }
-        err = err == PEL_OK ? hand_out(compressor, out) : err;
+        if (err == PEL_OK) {
+            jpeg_finish_compress(&compressor->library);
+            err = hand_out(compressor, compressor->scratch_size, out);
+        }
     } else {
         err = PEL_ERR_INTERNAL;
     }
@@ -316,6 +317,72 @@ static enum pel_err compress(struct compressor *compressor, const uint8_t *rgba,
     return err;
 }
 
+/* --- a scan that is there ------------------------------------------------- */
+
+/* Where the scan begins in a file that has one; 0: it has none. */
+static size_t scan_at(const uint8_t *file, size_t size)
+{
+    size_t at = 2;
+    while (at + 4 <= size && file[at] == 0xFF) {
+        bool last = file[at + 1] == 0xDA;
+        at += 2 + ((size_t)file[at + 2] << 8 | file[at + 3]);
+        if (last) {
+            return at <= size ? at : 0;
+        }
+    }
+    return 0;
+}
+
+/* All that the library writes before the first strip's codes: of a grey one,
+ * which takes microseconds. Bytes of it in *end, 0: it failed. */
+static void write_head(struct compressor *compressor,
+                       const struct pel_planes *strip,
+                       const struct pel_encode_input *in, size_t *end)
+{
+    *end = 0;
+    memset(strip->y, 128, (size_t)strip->y_stride * ROWS * 3 / 2);
+    if (setjmp(compressor->failed) == 0) {
+        set_up(compressor, strip->width, strip->height, in);
+        write_rows(compressor, strip, 0);
+        const struct jpeg_destination_mgr *to = compressor->library.dest;
+        *end = scan_at(compressor->scratch,
+                       (size_t)(to->next_output_byte - compressor->scratch));
+    }
+    jpeg_abort_compress(&compressor->library);
+}
+
+static enum pel_err take_scan(struct compressor *compressor,
+                              const struct pel_planes *strip,
+                              const struct pel_encode_input *in,
+                              struct pel_bytes *out)
+{
+    size_t room = compressor->scratch_size, end;
+    unsigned char *own = compressor->scratch;
+    write_head(compressor, strip, in, &end);
+    compressor->scratch = own;
+    compressor->scratch_size = room;
+    size_t need =
+        end + pel_jpeg_scan_most(in->scan, strip->width, strip->height) + 2;
+    if (need > room) {
+        unsigned char *more = realloc(compressor->scratch, need);
+        if (!more) {
+            return PEL_ERR_NO_MEMORY;
+        }
+        compressor->scratch = more;
+        compressor->scratch_size = need;
+    }
+    uint8_t *to =
+        end == 0 ? NULL
+                 : pel_jpeg_scan_write(in->scan, strip->width, strip->height,
+                                       compressor->scratch + end);
+    if (!to) {
+        return PEL_ERR_INTERNAL;
+    }
+    *to++ = 0xFF; /* the end of the image */
+    *to++ = 0xD9;
+    return hand_out(compressor, (size_t)(to - compressor->scratch), out);
+}
+
 enum pel_err pel_jpeg_encode(const struct pel_encode_input *in,
                              struct pel_bytes *out)
 {
@@ -323,7 +390,10 @@ enum pel_err pel_jpeg_encode(const struct pel_encode_input *in,
     uint32_t width = in->out_width ? in->out_width : in->width;
     uint32_t height = in->out_height ? in->out_height : in->height;
     *out = (struct pel_bytes){ 0 };
-    if ((!in->rgba && (!in->planes || !in->planes->v)) ||
+    bool as_it_is = in->width == width && in->height == height;
+    if ((!in->rgba && !in->scan && (!in->planes || !in->planes->v)) ||
+        (in->scan && (!as_it_is || in->scan->quality != in->quality ||
+                      in->quality > PEL_JPEG_BEST)) ||
         in->width - 1 >= PEL_ENCODE_MAX_SIZE ||
         in->height - 1 >= PEL_ENCODE_MAX_SIZE ||
         width - 1 >= PEL_ENCODE_MAX_SIZE || height - 1 >= PEL_ENCODE_MAX_SIZE ||
@@ -334,9 +404,11 @@ enum pel_err pel_jpeg_encode(const struct pel_encode_input *in,
     if (!compressor) {
         return PEL_ERR_NO_MEMORY;
     }
-    bool as_it_is = in->width == width && in->height == height;
     uint32_t rows = as_it_is ? ROWS : (height + ROWS - 1) / ROWS * ROWS;
     enum pel_err err = reserve(compressor, width, height, rows, &planes);
+    if (err == PEL_OK && in->scan) {
+        return take_scan(compressor, &planes, in, out);
+    }
     if (err == PEL_OK && !as_it_is) {
         err = in->rgba ? pel_planes_fill(in->rgba, (int)in->width * 4,
                                          in->width, in->height, true,

@@ -134,6 +134,7 @@ static enum pel_err encode_bytes(const struct pel_output *output,
     struct pel_planes_given planes;
     const struct pel_encode_input input = {
         .planes = pel_picture_planes(p, &planes) ? &planes : NULL,
+        .scan = pel_picture_scan(p),
         .width = p->width,
         .height = p->height,
         .cancel = &output->cancel,

@@ -3,7 +3,7 @@
 bool pel_picture_planes(const struct pel_picture *picture,
                         struct pel_planes_given *out)
 {
-    if (picture->ycbcr == PEL_YCBCR_NONE) {
+    if (picture->ycbcr == PEL_YCBCR_NONE || picture->ycbcr == PEL_YCBCR_CODED) {
         return false;
     }
     *out = (struct pel_planes_given){
@@ -17,4 +17,9 @@ bool pel_picture_planes(const struct pel_picture *picture,
         .height = picture->height,
     };
     return true;
+}
+
+const struct pel_jpeg_scan *pel_picture_scan(const struct pel_picture *picture)
+{
+    return picture->ycbcr == PEL_YCBCR_CODED ? &picture->scan : NULL;
 }

@@ -226,9 +226,12 @@ static void say_failed(const struct pel_job *job, enum pel_err err)
 }
 
 /* What all who take this picture take it as. */
-static enum pel_ycbcr ycbcr_of(const struct pel_job *job, size_t draw)
+static void choose_form(const struct pel_job *job, size_t draw,
+                        struct pel_draw *out)
 {
-    bool video = false, pictures = false;
+    bool video = false, pictures = false, same = true;
+    int quality = 0;
+    out->ycbcr = PEL_YCBCR_NONE;
     for (size_t i = 0; i < job->output_count; i++) {
         const struct pel_output *output = &job->outputs[i];
         if (output->draw != draw) {
@@ -236,14 +239,23 @@ static enum pel_ycbcr ycbcr_of(const struct pel_job *job, size_t draw)
         }
         if (!output->track &&
             !(pel_format_of(output->format)->uses & PEL_FORMAT_PLANES)) {
-            return PEL_YCBCR_NONE;
+            return;
         }
+        same = same && (!pictures || output->quality == quality);
+        quality = output->quality;
         video = video || output->track;
         pictures = pictures || !output->track;
     }
-    return video == pictures ? PEL_YCBCR_NONE
-           : video           ? PEL_YCBCR_VIDEO
+    if (video != pictures) {
+        const struct pel_job_draw *part = &job->parts[draw];
+        bool whole = part->width == out->camera.width &&
+                     part->height == out->camera.height;
+        bool coded = whole && same && quality <= PEL_JPEG_BEST;
+        out->quality = quality;
+        out->ycbcr = video   ? PEL_YCBCR_VIDEO
+                     : coded ? PEL_YCBCR_CODED
                              : PEL_YCBCR_JPEG;
+    }
 }
 
 /* Gives the renderer draws of one job; BUSY: none was taken. */
@@ -257,7 +269,7 @@ static enum pel_err submit_some(struct pel_renderloop *loop,
     for (size_t i = 0; i < count; i++) {
         size_t draw = (size_t)(parts[i] - job->parts);
         loop->draws[i] = job->draws[draw];
-        loop->draws[i].ycbcr = ycbcr_of(job, draw);
+        choose_form(job, draw, &loop->draws[i]);
         bytes += parts[i]->bytes;
     }
     atomic_fetch_add(&loop->held_bytes, bytes);

@@ -1,6 +1,6 @@
 /* Planes of luma and chroma that the device makes against those that libyuv
- * makes of the same pictures' pixels, and files against files: the same bytes.
- */
+ * makes of the same pictures' pixels, and files against files, of pixels, of
+ * planes and of what the device coded: the same bytes. */
 #define TEST_ANTIALIASING true
 #include "render/render_testkit.h"
 
@@ -9,6 +9,7 @@
 
 #define MOST 9
 #define LARGEST (144 * 96)
+#define TURNS 4
 
 static struct pel_sea sea;
 
@@ -112,6 +113,30 @@ static struct pel_bytes jpeg_of(const struct pel_picture *p,
     return out;
 }
 
+/* As a live view's, and as a file that says of its camera. */
+static void assert_coded(const struct pel_picture *p, const uint8_t *rgba)
+{
+    struct pel_planes_given planes;
+    const struct pel_photo_blocks photo = { .exif_size = 9, .xmp_size = 99 };
+    assert_false(pel_picture_planes(p, &planes));
+    for (int k = 0; k < 2; k++) {
+        struct pel_encode_input in = { .width = p->width,
+                                       .height = p->height,
+                                       .rgba = rgba,
+                                       .photo = k ? &photo : NULL,
+                                       .quality = p->scan.quality };
+        struct pel_bytes a, b;
+        assert_int_equal(pel_jpeg_encode(&in, &a), PEL_OK);
+        in.rgba = NULL;
+        in.scan = pel_picture_scan(p);
+        assert_int_equal(pel_jpeg_encode(&in, &b), PEL_OK);
+        assert_int_equal(a.size, b.size);
+        assert_memory_equal(a.data, b.data, a.size);
+        pel_bytes_finish(&a);
+        pel_bytes_finish(&b);
+    }
+}
+
 static void assert_jpegs(const struct pel_picture *p, const uint8_t *rgba)
 {
     const struct pel_planes_given planes = given(p);
@@ -167,9 +192,10 @@ static struct pel_picture *collect(void)
 
 static enum pel_ycbcr form_of(int i, int turn)
 {
-    static const enum pel_ycbcr forms[] = { PEL_YCBCR_JPEG, PEL_YCBCR_VIDEO,
-                                            PEL_YCBCR_NONE };
-    return forms[(i + turn) % 3];
+    static const enum pel_ycbcr forms[TURNS] = {
+        PEL_YCBCR_JPEG, PEL_YCBCR_VIDEO, PEL_YCBCR_NONE, PEL_YCBCR_CODED
+    };
+    return forms[(i + turn) % TURNS];
 }
 
 static void compare(const struct pel_environment *env)
@@ -190,9 +216,11 @@ static void compare(const struct pel_environment *env)
         ev[i] = p->exposure_ev;
         pel_picture_release(p);
     }
-    for (int turn = 0; turn < 3; turn++) {
+    for (int turn = 0; turn < TURNS; turn++) {
         for (int i = 0; i < MOST; i++) {
+            static const int qualities[] = { 80, 95, 1, 50, 90, 20 };
             draws[i].ycbcr = form_of(i, turn);
+            draws[i].quality = qualities[i % 6];
         }
         assert_int_equal(pel_renderer_submit(renderer, env, draws, MOST),
                          PEL_OK);
@@ -203,6 +231,9 @@ static void compare(const struct pel_environment *env)
             if (p->ycbcr == PEL_YCBCR_NONE) {
                 assert_memory_equal(p->rgba, rgba[i],
                                     (size_t)p->width * p->height * 4);
+            } else if (p->ycbcr == PEL_YCBCR_CODED) {
+                assert_int_equal(p->scan.quality, draws[i].quality);
+                assert_coded(p, rgba[i]);
             } else {
                 assert_planes(p, rgba[i]);
                 (p->ycbcr == PEL_YCBCR_JPEG ? assert_jpegs

@@ -300,6 +300,12 @@ pel_readback_reserve(struct pel_readback *r,
         .rgba = planes ? NULL : slot->map,
         .ycbcr = s->ycbcr,
     };
+    if (s->ycbcr == PEL_YCBCR_CODED) {
+        slot->picture.scan = (struct pel_jpeg_scan){
+            .words = (const uint32_t *)(const void *)slot->map,
+            .quality = s->quality,
+        };
+    }
     for (int i = 0; planes && i < layout.count; i++) {
         slot->picture.planes[i] = slot->map + layout.offset[i];
         slot->picture.strides[i] = (int)layout.stride[i];

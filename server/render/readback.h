@@ -32,6 +32,7 @@ struct pel_readback_source {
     int x, y;                 /* where they begin in the textures */
     unsigned layers;
     enum pel_ycbcr ycbcr; /* reserved: what shaders write */
+    int quality;          /* of what is coded */
     void *user;
     int64_t started_ns;
 };

@@ -138,9 +138,12 @@ static inline struct pel_environment test_environment(const struct pel_sea *sea,
     };
 }
 
+/* TEST_DEVICE: another device than the software one, as of --device. */
 static inline struct pel_renderer *test_renderer(const char *shading)
 {
-    const struct pel_renderer_options options = { .device = "software",
+    const char *device = getenv("TEST_DEVICE");
+    const struct pel_renderer_options options = { .device = device ? device
+                                                                   : "software",
                                                   .shading = shading,
                                                   .debug = true };
     struct pel_fault fault = { 0 };

@@ -353,18 +353,20 @@ static enum pel_err need_view(struct pel_renderer *r,
                               const struct pel_draw *draw,
                               struct pel_fault *fault)
 {
-    const bool planes = pel_view_ycbcr(r, draw) != PEL_YCBCR_NONE;
+    const enum pel_ycbcr form = pel_view_ycbcr(r, draw);
+    const bool planes = form != PEL_YCBCR_NONE;
     if (pel_together_can(r, env, draw)) {
         enum pel_err err = pel_together_need(r, env, draw, fault);
         if (err != PEL_OK || !r->together.off) {
             return err == PEL_OK && planes
-                       ? pel_ycbcr_need(&r->ycbcr, true, r->shader_dir, fault)
+                       ? pel_ycbcr_need(&r->ycbcr, true, form, r->shader_dir,
+                                        fault)
                        : err;
         }
     }
     if (planes) {
         enum pel_err err =
-            pel_ycbcr_need(&r->ycbcr, false, r->shader_dir, fault);
+            pel_ycbcr_need(&r->ycbcr, false, form, r->shader_dir, fault);
         if (err != PEL_OK) {
             return err;
         }

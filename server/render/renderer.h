@@ -10,6 +10,7 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "encode/jpegcode.h"
 #include "optics/clouds.h"
 #include "optics/fog.h"
 #include "optics/lamp.h"
@@ -128,11 +129,13 @@ int pel_layer_stride(const struct pel_layer_info *layer);
 size_t pel_layer_bytes(unsigned layers);
 
 /* What a colour layer may come back as: its pixels, or planes of luma and of
- * chroma at half of the resolution, BT.601, as libyuv makes them to the bit. */
+ * chroma at half of the resolution, BT.601, as libyuv makes them to the bit, or
+ * what libjpeg-turbo codes of these, to the bit, too. */
 enum pel_ycbcr {
     PEL_YCBCR_NONE,
     PEL_YCBCR_JPEG,  /* full range; y, cb, cr */
     PEL_YCBCR_VIDEO, /* studio range; y, pairs of cb and cr */
+    PEL_YCBCR_CODED, /* the first, and of these a JPEG's scan alone */
 };
 
 /* With camera.antialiasing light is the mean of pixels that outlines cut;
@@ -144,6 +147,7 @@ struct pel_draw {
     /* Planes will do where it is the only layer: devices that shade in compute
      * make them, of whole pictures; others, and if in doubt, pixels. */
     enum pel_ycbcr ycbcr;
+    int quality; /* of what is coded, 1..PEL_JPEG_BEST */
     /* A band of the camera's picture, bit for bit as it is in the whole; a
      * multiple of PEL_BAND_ROWS, but for the last rows. 0 rows: all. */
     uint32_t first_row, rows;
@@ -174,7 +178,8 @@ struct pel_picture {
      * the picture its last column and row again. */
     enum pel_ycbcr ycbcr;
     const uint8_t *planes[3];
-    int strides[3]; /* bytes from row to row */
+    int strides[3];            /* bytes from row to row */
+    struct pel_jpeg_scan scan; /* where it is coded; it has no planes then */
     /* By PEL_AT_* and by name, pel_layer_stride floats a pixel; the fourth of
      * three is 1. What is made from the depth is NULL. */
     union {

@@ -250,6 +250,7 @@ static struct pel_readback_source source_of(const struct pel_renderer *r,
         .rows = c->height,
         .layers = v->draw.layers,
         .ycbcr = pel_view_ycbcr(r, &v->draw),
+        .quality = v->draw.quality,
         .user = v->draw.user,
         .started_ns = started_ns,
     };
@@ -280,6 +281,7 @@ static void fit_planes(struct pel_renderer *r)
     for (size_t i = 0; i < t->count; i++) {
         const struct pel_draw *draw = &t->views[i].draw;
         t->planes[i] = (struct pel_ycbcr_view){ .form = pel_view_ycbcr(r, draw),
+                                                .quality = draw->quality,
                                                 .width = draw->camera.width,
                                                 .height = draw->camera.height,
                                                 .slot = t->slots[i] };

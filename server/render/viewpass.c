@@ -422,9 +422,11 @@ static enum pel_err read_planes(struct pel_renderer *r,
     if (!slot) {
         return PEL_ERR_BUSY;
     }
-    const struct pel_ycbcr_view view = {
-        .form = s->ycbcr, .width = s->width, .height = s->height, .slot = slot
-    };
+    struct pel_ycbcr_view view = { .form = s->ycbcr,
+                                   .quality = s->quality,
+                                   .width = s->width,
+                                   .height = s->height,
+                                   .slot = slot };
     pel_ycbcr_one(&r->ycbcr, r->targets.color, s->x, &view);
     glCopyNamedBufferSubData(s->exposure, pel_readback_buffer(slot), 0,
                              (GLintptr)pel_readback_ev_offset(slot), 16);
@@ -473,6 +475,7 @@ enum pel_err pel_view_draw(struct pel_renderer *r,
         .started_ns = started_ns,
     };
     source.ycbcr = pel_view_ycbcr(r, draw);
+    source.quality = draw->quality;
     err = source.ycbcr != PEL_YCBCR_NONE
               ? read_planes(r, &source)
               : pel_readback_push(&r->readback, &source);

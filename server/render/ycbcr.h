@@ -10,11 +10,12 @@
 #include <stddef.h>
 
 #include "base/err.h"
+#include "render/jpegcoder.h"
 #include "render/readback.h"
 #include "shaders/lib/blocks.h"
 
 /* Planes behind each other: bytes from row to row, and where each begins; pairs
- * are one. */
+ * are one. None of what is coded, but for its size. */
 struct pel_ycbcr_layout {
     int count;
     size_t stride[3], offset[3];
@@ -28,10 +29,13 @@ struct pel_ycbcr_pass {
     GLuint one, together; /* programs */
     GLuint colors;        /* of views together, and the EV100 of each */
     size_t capacity;      /* its bytes */
+    struct pel_jpeg_coder coder;
 };
 
-/* Makes the program for single views or those that are drawn together. GPU. */
+/* Makes the programs for single views or those that are drawn together, of the
+ * form. GPU, NO_MEMORY. */
 PEL_CHECK enum pel_err pel_ycbcr_need(struct pel_ycbcr_pass *p, bool together,
+                                      enum pel_ycbcr form,
                                       const char *shader_dir,
                                       struct pel_fault *fault);
 void pel_ycbcr_finish(struct pel_ycbcr_pass *p);
@@ -39,8 +43,10 @@ void pel_ycbcr_finish(struct pel_ycbcr_pass *p);
 /* Of views that are drawn together. */
 struct pel_ycbcr_view {
     enum pel_ycbcr form;
+    int quality; /* of what is coded */
     uint32_t width, height;
-    size_t at; /* found here: bytes into the colours */
+    size_t at;        /* found here: bytes into the colours */
+    size_t planes_at; /* the same of what is coded: into the coder's planes */
     const struct pel_readback_slot *slot;
 };
 
@@ -58,6 +64,6 @@ void pel_ycbcr_end(struct pel_ycbcr_pass *p, const struct pel_ycbcr_view *views,
 /* From a texture, `aside` pixels from its first row and column, into the slot;
  * its EV100 is not written. */
 void pel_ycbcr_one(struct pel_ycbcr_pass *p, GLuint colors, int aside,
-                   const struct pel_ycbcr_view *view);
+                   struct pel_ycbcr_view *view);
 
 #endif

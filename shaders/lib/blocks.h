@@ -156,6 +156,8 @@ struct pel_uvec4 {
 #define PEL_STORE_RADIANCE 6     /* of views that are drawn together */
 #define PEL_STORE_PICTURES 8     /* 8 to 15: their readback buffers */
 #define PEL_STORE_COLORS 0       /* of them, before their planes are made */
+#define PEL_STORE_PLANES 0       /* 0, 1: jpeg.comp */
+#define PEL_STORE_JPEG 1
 #define PEL_STORE_SURROUNDINGS 2 /* the block, where it is written */
 
 /* Images of shading in compute: OpenGL promises eight. What more layers than
@@ -218,6 +220,18 @@ struct pel_uvec4 {
 #define PEL_YCBCR_FORM_NONE 0
 #define PEL_YCBCR_FORM_JPEG 1
 #define PEL_YCBCR_FORM_VIDEO 2
+/* A JPEG's scan as a group of jpeg.comp codes it: so many units of 16x16
+ * pixels, each six blocks, whose bits come behind their number. They take so
+ * many words at most, 1408 bits a block: of 8-bit samples no more than 16
+ * coefficients of a block are 256 or more, whose codes have 25 or 26 bits; the
+ * others take 18 for each place in the scan, and the mean 22, 1284 together.
+ * From group to group whole lines of the host's caches. */
+#define PEL_JPEG_UNITS 10
+#define PEL_JPEG_BLOCKS 6
+#define PEL_JPEG_MOST_WORDS 2640
+#define PEL_JPEG_GROUP_WORDS 2688
+/* Better ones have another transform. */
+#define PEL_JPEG_BEST 95
 
 /* Rings of the mesh that a crest hides at least where its outline is looked
  * for. With 1, four in five of the pixels that are looked at have none, which

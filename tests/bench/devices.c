@@ -3,7 +3,7 @@
  * threads are meanwhile, in cores.
  *
  *   bench_devices [--views 64] [--size 1280x720]
- *                 [--codec jpeg|h264|none|planes]
+ *                 [--codec jpeg|h264|none|planes|coded]
  *                 [--ask] [--threads N] [--seconds 4] [--lose N]
  *                 [--withdraw] [--count N] [--hz 240] LIST...
  *
@@ -15,7 +15,7 @@
  * pretends to be lost every N pictures; with --withdraw it is not to be had
  * again after the first N. --codec none: views are drawn and read back by a
  * thread a device and no more, frames 1/30 s apart, each device its share of
- * the views; planes: as JPEG's encoder takes them. */
+ * the views; planes: as JPEG's encoder takes them; coded: as its scan. */
 #include <dirent.h>
 #include <getopt.h>
 #include <malloc.h>
@@ -41,7 +41,8 @@
 static struct {
     int views, threads, lose;
     unsigned width, height;
-    bool h264, drawn, planes, ask, withdraw;
+    bool h264, drawn, ask, withdraw;
+    enum pel_ycbcr form; /* of what is drawn and no more */
     double seconds, hz;
     uint64_t count;
 } options = {
@@ -303,8 +304,13 @@ static uint64_t bits_of(const struct pel_picture *picture)
 {
     uint64_t bits = 0xcbf29ce484222325u;
     const uint8_t *bytes = picture->rgba ? picture->rgba : picture->planes[0];
-    size_t pixels = (size_t)picture->width * picture->height;
-    for (size_t i = 0; i < (picture->rgba ? 4 : 1) * pixels; i++) {
+    size_t size =
+        (picture->rgba ? 4 : 1) * (size_t)picture->width * picture->height;
+    if (picture->ycbcr == PEL_YCBCR_CODED) { /* its first group's */
+        bytes = (const uint8_t *)picture->scan.words;
+        size = 4 + picture->scan.words[0] / 8;
+    }
+    for (size_t i = 0; i < size; i++) {
         bits = (bits ^ bytes[i]) * 0x100000001b3u;
     }
     return bits;
@@ -341,7 +347,8 @@ static void *draw_alone(void *argument)
         for (int i = 0; i < self->views; i++) {
             draws[i] = (struct pel_draw){
                 .layers = PEL_LAYER_COLOR,
-                .ycbcr = options.planes ? PEL_YCBCR_JPEG : PEL_YCBCR_NONE,
+                .ycbcr = options.form,
+                .quality = 80,
             };
             pel_snapshot_camera(s, first + (size_t)i, time_s, 0, 0,
                                 &draws[i].camera);
@@ -534,8 +541,11 @@ static void read_options(int argc, char **argv)
             break;
         case 'c':
             options.h264 = strcmp(optarg, "h264") == 0;
-            options.planes = strcmp(optarg, "planes") == 0;
-            options.drawn = strcmp(optarg, "none") == 0 || options.planes;
+            options.form = strcmp(optarg, "planes") == 0  ? PEL_YCBCR_JPEG
+                           : strcmp(optarg, "coded") == 0 ? PEL_YCBCR_CODED
+                                                          : PEL_YCBCR_NONE;
+            options.drawn =
+                strcmp(optarg, "none") == 0 || options.form != PEL_YCBCR_NONE;
             break;
         case 't':
             options.seconds = strtod(optarg, NULL);

@@ -34,9 +34,8 @@ def bound(name):
 
 
 # The columns of that table.
-H100, TWO_H100, H200 = 1, 2, 3
+H100, H200 = 1, 3
 SMALL, LARGE = "64 views 1280×720, drawn", "12 views 3840×2160, drawn"
-LIVE = "64 views 1280×720, JPEG, live"
 
 # name: file, heading (None: the whole file), words with one number or more.
 # A figure of several numbers is a list.
@@ -56,21 +55,19 @@ SOURCES = {
     "together": (BENCH, GPU,
                  rf"64 of 1280×720, views a second \| {N} → {N} "),
     # Drawn and encoded, end to end.
-    "jpeg_32": (BENCH, GPUS, cell(LIVE, H100)),
     # One, two and four H200 of one host.
     "drawn_by": (BENCH, GPUS, newest("64 views 1280×720, drawn")),
     "jpeg_by": (BENCH, GPUS, newest("64 views 1280×720, JPEG")),
     "h264_by": (BENCH, GPUS, newest("64 views 1280×720, H.264")),
-    "jpeg_16": (BENCH, GPUS, cell("– 16 of the cores", H100)),
-    "jpeg_8": (BENCH, GPUS, cell("– 8 of the cores", H100)),
+    # Coded by the device: so many on two cores, and of one large view.
+    "jpeg_2": (BENCH, GPUS, r"\| now \|(?s:.*?)\n\| – 2 of the cores \| " + N),
+    "jpeg_alone": (BENCH, GPU, r"\| one view 3840×2160, at most 240 Hz \|"
+                   r"[^|]*\| " + N),
     "h264_32": (BENCH, GPUS, cell("32 views 1280×720, H.264, live", H100)),
     "h264_16": (BENCH, GPUS, rf"as H\.264 {N}, [\d,]+, [\d,]+ \(the cores; "
                 r"the bar is 3,600"),
-    "jpeg_2160": (BENCH, GPUS, cell("8 views 3840×2160, JPEG, live", H100)),
+    "jpeg_2160": (BENCH, GPUS, newest("8 views 3840×2160, JPEG, live")),
     "h264_2160": (BENCH, GPUS, cell("8 views 3840×2160, H.264, live", H100)),
-    "jpeg_2160_two": (BENCH, GPUS, cell("8 views 3840×2160, JPEG, live",
-                                        TWO_H100)),
-    "jpeg_slow": (BENCH, GPU, rf"as JPEG {N}, {N}, {N}, {N};"),
     "h264_slow": (BENCH, GPU, rf"; as H\.264 {N}, {N}, {N}, {N}\. There"),
     # Encoding alone, and what it makes.
     "h264_core_ms": (BENCH, GPU, r"H\.264 \(x264\) \| [^|]*\| [^|]*quiet "

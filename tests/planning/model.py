@@ -32,12 +32,10 @@ class Model:
         slow = f["h264_slow"].values[-1] * 64 / 16
         self.core = {"h264": min(f["h264_32"].value / 32,
                                  f["h264_16"].value / 16, slow),
-                     "jpeg": min(f["jpeg_32"].value / 32,
-                                 f["jpeg_16"].value / 16,
-                                 f["jpeg_8"].value / 8)}
-        # One view by itself: one encoder, one thread.
+                     "jpeg": f["jpeg_2"].value / 2}
+        # One view by itself: one encoder, one thread; a JPEG is the device's.
         self.alone = {"h264": f["h264_slow"].value,
-                      "jpeg": f["jpeg_slow"].value}
+                      "jpeg": f["jpeg_alone"].value * self.size(UHD)}
         self.raster_s, self.shade_s = (
             x / K for x in f["traffic_ms"].values[2:])
         self.software_s = f["core_ms"].value / K
