@@ -102,7 +102,8 @@ class Present(unittest.TestCase):
         """A seal's moment is when it was made, the longest delay that a node
         says, and 40 ms; one that is silent does not count any more."""
         def ahead_ms():
-            seal = self.seals()[self.log.last()]
+            last = self.log.last()
+            seal = self.seals()[last]
             return (seal.present - seal.made) * 1e-6
         until("the log tells something", lambda: self.log.last() > 0)
         until("the nodes say something", lambda: self.nodes[0].cluster().get(

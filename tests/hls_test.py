@@ -260,7 +260,9 @@ class Ends(Case):
         with Daemon() as daemon:
             daemon.patch({"views": [
                 {"name": "bridge", "entity": 1, "width": 64, "height": 36}]})
-            p = Playlist(daemon.get(LIST).body.decode())
+            answer = until("a playlist", lambda: (
+                r := daemon.get(LIST)).status == 200 and r)
+            p = Playlist(answer.body.decode())
             msn = p.first + len(p.segments) + 1
             connection = http.client.HTTPConnection(
                 "127.0.0.1", daemon.http_port, timeout=SLOW_S)

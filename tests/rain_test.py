@@ -8,7 +8,7 @@ import sys
 import numpy as np
 
 from modbus_test import check
-from pelagos_daemon import ROOT, Daemon
+from pelagos_daemon import ROOT, SLOW_S, Daemon
 
 sys.path.insert(0, os.path.join(ROOT, "clients", "python"))
 import pelagos  # noqa: E402
@@ -116,7 +116,7 @@ def metar_rains(daemon, _):
 
 def main():
     with Daemon() as daemon:
-        ocean = pelagos.Ocean(daemon.url())
+        ocean = pelagos.Ocean(daemon.url(), timeout=SLOW_S)
         daemon.patch(STATE)
         for part in (air_follows, slopes_are_the_same, any_order,
                      radar_has_it, metar_rains):

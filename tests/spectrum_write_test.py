@@ -124,7 +124,7 @@ class Written(unittest.TestCase):
         cls.daemon = Daemon(f"--spectra={cls.folder}", unix=True)
         cls.addClassCleanup(cls.daemon.stop)
         cls.daemon.patch({"clock": {
-            "mode": "STEPPED", "utc": UTC.strftime("%Y-%m-%dT%H:%M:%SZ")},
+            "mode": "STEPPED", "time": 0, "utc": UTC.strftime("%Y-%m-%dT%H:%M:%SZ")},
             "origin": dict(zip(("latitude", "longitude"), PLACE)),
             "sea": {"synthesiser": "TROCHOIDS"}})
 

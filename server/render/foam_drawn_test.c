@@ -12,20 +12,31 @@ static void foamy(double wind, bool fft, double whitecaps, struct pel_sea *out)
     assert_int_equal(pel_sea_build(&desc, out), PEL_OK);
 }
 
-/* Mean of the layer over a square of the sea, straight down. */
-static double mean_foam(const struct pel_environment *env, double height_m,
-                        double side_m, uint32_t pixels)
+/* Mean of the layer over a square of the sea, straight down, and of its square.
+ */
+static double means_of_foam(const struct pel_environment *env, double height_m,
+                            double side_m, uint32_t pixels, double *squared)
 {
     double fov = 2 * atan(0.5 * side_m / height_m) / PEL_DEG;
     struct pel_camera c = test_camera(
         (struct test_look){ height_m, 0, -90, 0, fov, pixels, pixels });
     struct pel_picture *p = test_draw(renderer, env, &c, PEL_LAYER_FOAM);
     double sum = 0;
+    *squared = 0;
     for (uint32_t i = 0; i < pixels * pixels; i++) {
-        sum += (double)p->layer[PEL_AT_FOAM][i] / (pixels * pixels);
+        double foam = (double)p->layer[PEL_AT_FOAM][i];
+        sum += foam / (pixels * pixels);
+        *squared += foam * foam / (pixels * pixels);
     }
     pel_picture_release(p);
     return sum;
+}
+
+static double mean_foam(const struct pel_environment *env, double height_m,
+                        double side_m, uint32_t pixels)
+{
+    double squared;
+    return means_of_foam(env, height_m, side_m, pixels, &squared);
 }
 
 static void coverage_is_the_same_everywhere(void **state)
@@ -56,6 +67,34 @@ static void coverage_is_the_same_everywhere(void **state)
         assert_float_equal(coarse / fine, 1, 0.1);
         pel_sea_finish(&sea);
     }
+    pel_renderer_destroy(renderer);
+}
+
+/* Where wind tears foam about, it is as much from near, where that is seen, as
+ * from where it is not; and seen so, pixels have more of it or less. */
+static void torn_is_as_much(void **state)
+{
+    (void)state;
+    struct pel_sea sea;
+    double near = 0, far = 0, near_squared = 0, far_squared = 0;
+    renderer = test_renderer(NULL);
+    foamy(20, true, 1, &sea);
+    for (int k = 0; k < 4; k++) {
+        const struct pel_environment env = test_environment(&sea, 30 + 40 * k);
+        double squared;
+        near += means_of_foam(&env, 1000, 250, 1250, &squared);
+        near_squared += squared;
+        far += means_of_foam(&env, 1000, 250, 200, &squared);
+        far_squared += squared;
+    }
+    print_message("pixels of 0.2 m: %.4f of the water, %.3f of that in full; "
+                  "of 1.25 m: %.4f, %.3f\n",
+                  near / 4, near_squared / near, far / 4, far_squared / far);
+    /* Of four squares of 250 m, with a tile of 5 m. */
+    assert_float_equal(near / far, 1, 0.02);
+    /* Without it by 0.08. */
+    assert_true(near_squared / near > far_squared / far + 0.1);
+    pel_sea_finish(&sea);
     pel_renderer_destroy(renderer);
 }
 
@@ -230,6 +269,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(coverage_is_the_same_everywhere),
+        cmocka_unit_test(torn_is_as_much),
         cmocka_unit_test(queried_is_drawn),
         cmocka_unit_test(both_ways_draw_the_same),
         cmocka_unit_test(other_moments_leave_nothing),

@@ -524,6 +524,9 @@ struct pel_uvec4 {
 #define PEL_FOAM_GRAIN_SEEN_M 4.0 /* by footprints up to */
 #define PEL_FOAM_SURF_M 71.0      /* side of a tile of surf */
 #define PEL_FOAM_THIN 0.02        /* variance of its edges */
+#define PEL_FOAM_FINE_A 3.0       /* what is torn: integers, so that its tile */
+#define PEL_FOAM_FINE_B 1.0       /* fits foam's own, and not along it */
+#define PEL_FOAM_FINE_SEEN_M 1.0  /* by footprints up to */
 #define PEL_FOAM_BLOWN 0.3        /* in spray, at PEL_SPRAY_WHOLE */
 #define PEL_FOAM_RELIEF 0.3       /* thickest foam is so much brighter */
 #define PEL_FOAM_ALBEDO 0.55      /* of dense foam (Koepke 1984) */

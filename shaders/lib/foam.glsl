@@ -76,7 +76,8 @@ vec2 foam_of(vec2 x, vec2 breaking, float footprint, float up, vec2 surf)
     }
     float texels = float(PEL_FOAM_GRAIN) * footprint;
     vec2 run = vec2(dot(x, wind.xy), dot(x, vec2(-wind.y, wind.x)));
-    vec2 n = grain_at(run * vec2(whitecaps.z, 1.0 / PEL_FOAM_GRAIN_M) + grain.xy, texels / PEL_FOAM_GRAIN_M);
+    vec2 place_in = run * vec2(whitecaps.z, 1.0 / PEL_FOAM_GRAIN_M) + grain.xy;
+    vec2 n = grain_at(place_in, texels / PEL_FOAM_GRAIN_M);
 #ifdef PEL_STREAKS
     float bend = run.x / PEL_FOAM_BEND_ALONG_M + run.y / PEL_FOAM_BEND_ACROSS_M + bends.x;
     run.y += PEL_FOAM_STREAK_BEND_M * sin(2.0 * PI * fract(bend));
@@ -89,14 +90,26 @@ vec2 foam_of(vec2 x, vec2 breaking, float footprint, float up, vec2 surf)
 #endif
     float seen = clamp(2.0 - 2.0 * footprint / far, 0.0, 1.0);
     n = vec2(seen * n.x, 1.0 - seen * seen * (1.0 - n.y));
-    // Edges of foam are thin, or blown about.
+    // Edges of foam are thin, or torn about.
     float thin = crests.z;
 #ifdef PEL_STREAKS
     thin += PEL_FOAM_STREAK_THIN * low;
 #endif
-    float foam = foam_share((bound * sqrt(1.0 + thin) - n.x) * inversesqrt(n.y + thin));
-    float thicker = min(foam_share(n.x) / foam_share(bound), 1.0);
-    return vec2(foam, 1.0 + PEL_FOAM_RELIEF * (1.0 - n.y) * (1.0 - 2.0 * thicker));
+    // From near, that is the same structure, finer and turned.
+    float torn = thin - PEL_FOAM_THIN;
+    vec2 fine = vec2(0.0, 1.0);
+    if (torn > 0.0 && footprint < PEL_FOAM_FINE_SEEN_M) {
+        const vec2 turn = vec2(PEL_FOAM_FINE_A, PEL_FOAM_FINE_B);
+        fine = grain_at(vec2(turn.x * place_in.x - turn.y * place_in.y, turn.y * place_in.x + turn.x * place_in.y),
+                        length(turn) * texels / PEL_FOAM_GRAIN_M);
+        float part = clamp(2.0 - 2.0 * footprint / PEL_FOAM_FINE_SEEN_M, 0.0, 1.0);
+        fine = vec2(part * fine.x, 1.0 - part * part * (1.0 - fine.y));
+    }
+    n += vec2(sqrt(torn) * fine.x, torn * fine.y);
+    float whole = 1.0 + torn;
+    float foam = foam_share((bound * sqrt(1.0 + thin) - n.x) * inversesqrt(n.y + PEL_FOAM_THIN));
+    float thicker = min(foam_share(n.x * inversesqrt(whole)) / foam_share(bound), 1.0);
+    return vec2(foam, 1.0 + PEL_FOAM_RELIEF * (1.0 - n.y / whole) * (1.0 - 2.0 * thicker));
 }
 #endif
 
