@@ -165,7 +165,7 @@ $(foreach f,forecast raster picture,$(eval FLAGS_tests/fuzz/fuzz_$(f) = $$(READE
 $(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c tests/validate/airtrace/*.c tests/validate/shiptrace/*.c tests/validate/undertrace/*.c tests/validate/spacetrace/*.c)),$(eval FLAGS_$(f) := -O3))
 # Arithmetic on memory of one caller and who helps him; watched, a picture in new air
 # takes minutes. Who calls it, and from which threads, is watched.
-UNWATCHED_tsan := server/ocean/fft server/optics/airrays server/optics/linear
+UNWATCHED_tsan := server/ocean/fft server/ocean/evolve server/optics/airrays server/optics/linear
 $(foreach f,$(UNWATCHED_$(FLAVOR)),$(eval FLAGS_$(f) += -fno-sanitize=thread))
 # CPPFLAGS, CFLAGS and LDFLAGS are the caller's, and come last.
 compile = $(CC) $(OUR_CPPFLAGS) $(PKG_CFLAGS) $(OUR_CFLAGS) $(FLAGS_$(1)) $(CPPFLAGS) $(CFLAGS)

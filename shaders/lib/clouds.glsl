@@ -281,10 +281,11 @@ clouded clouds_toward(sampler2D transmittance, vec3 dir, vec3 sky, vec3 all, flo
                     reach += part;
                 }
                 way *= cloud_shape.z * all / seen;
+                // What is more than its own column has is other clouds' shadow.
                 float t_light = min(way * up, whole);
-                way = t_light / up;
+                float shade = exp(-(1.0 - CLOUD_G) * (way - t_light / up));
                 float t_scaled = (1.0 - CLOUD_G) * t_light;
-                source += beam[i] * (cloud_glow(t_scaled, scaled, up) + exp(-t_scaled / up) * (0.25 / PI));
+                source += beam[i] * (shade * (cloud_glow(t_scaled, scaled, up) + exp(-t_scaled / up) * (0.25 / PI)));
                 single += beam[i] * cloud_forward(way, cosine[i], up);
             }
         }
