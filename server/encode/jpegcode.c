@@ -9,6 +9,7 @@
 #include <jpeglib.h>
 
 #define UNIT 16 /* pixels of a side */
+#define MOST_BITS (32 * PEL_JPEG_MOST_WORDS)
 
 /* --- tables --------------------------------------------------------------- */
 
@@ -113,7 +114,8 @@ size_t pel_jpeg_scan_most(const struct pel_jpeg_scan *scan, uint32_t width,
 {
     size_t groups = pel_jpeg_groups(width, height), bits = 0;
     for (size_t i = 0; i < groups; i++) {
-        bits += *group(scan, i);
+        uint32_t own = *group(scan, i); /* or nonsense, which is not written */
+        bits += own <= MOST_BITS ? own : 0;
     }
     return 2 * (bits / 8 + 1); /* each byte may need a zero behind it */
 }
@@ -170,7 +172,7 @@ uint8_t *pel_jpeg_scan_write(const struct pel_jpeg_scan *scan, uint32_t width,
     for (size_t i = 0; i < groups; i++) {
         const uint32_t *word = group(scan, i);
         uint32_t left = *word++;
-        if (left > 32 * PEL_JPEG_MOST_WORDS) {
+        if (left > MOST_BITS) {
             return NULL;
         }
         for (; left >= 32; left -= 32) {
