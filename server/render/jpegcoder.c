@@ -3,10 +3,9 @@
 #include <stdlib.h>
 
 #include "encode/jpegcode.h"
+#include "render/room.h"
 #include "render/shader.h"
 #include "shaders/lib/blocks.h"
-
-#define KEPT_BYTES ((size_t)16 << 20)
 
 static enum pel_err make_tables(struct pel_jpeg_coder *c)
 {
@@ -46,14 +45,7 @@ void pel_jpeg_coder_finish(struct pel_jpeg_coder *c)
 
 void pel_jpeg_coder_fit(struct pel_jpeg_coder *c, size_t bytes)
 {
-    if (bytes > c->capacity ||
-        (c->capacity > KEPT_BYTES && bytes < c->capacity / 4)) {
-        glDeleteBuffers(1, &c->planes);
-        glCreateBuffers(1, &c->planes);
-        glNamedBufferStorage(c->planes, (GLsizeiptr)bytes, NULL, 0);
-        glObjectLabel(GL_BUFFER, c->planes, -1, "planes to code");
-        c->capacity = bytes;
-    }
+    pel_room_fit(&c->planes, &c->capacity, bytes, "planes to code");
 }
 
 void pel_jpeg_coder_run(struct pel_jpeg_coder *c,

@@ -1,12 +1,12 @@
 #include "render/ycbcr.h"
 
 #include "encode/jpegcode.h"
+#include "render/room.h"
 #include "render/shader.h"
 
 #define BLOCK 16u                         /* of JPEG, and of H.264 */
 #define ALIGN 256u                        /* of parts of storage buffers */
 #define WIDE_PIXELS (4u * PEL_GROUP_LINE) /* of a group, in two rows */
-#define KEPT_BYTES ((size_t)32 << 20)
 
 _Static_assert((int)PEL_YCBCR_NONE == PEL_YCBCR_FORM_NONE &&
                    (int)PEL_YCBCR_JPEG == PEL_YCBCR_FORM_JPEG &&
@@ -100,14 +100,7 @@ void pel_ycbcr_fit(struct pel_ycbcr_pass *p, struct pel_ycbcr_view *views,
         views[i].at = size;
         size += round_up(pixel_bytes(&views[i]) + sizeof(float), ALIGN);
     }
-    if (size > p->capacity ||
-        (p->capacity > KEPT_BYTES && size < p->capacity / 4)) {
-        glDeleteBuffers(1, &p->colors);
-        glCreateBuffers(1, &p->colors);
-        glNamedBufferStorage(p->colors, (GLsizeiptr)size, NULL, 0);
-        glObjectLabel(GL_BUFFER, p->colors, -1, "colours together");
-        p->capacity = size;
-    }
+    pel_room_fit(&p->colors, &p->capacity, size, "colours together");
 }
 
 void pel_ycbcr_begin(struct pel_ycbcr_pass *p,
