@@ -26,8 +26,8 @@ SITES = 1 << 18
 HEAD = 32
 # Of each operation, in the short form; and of the start.
 SHORT, SHORT_START = 12, 6
-# Moments of the sea that are kept come and go: 1.5 MB each.
-MOST_GROWTH = 8 << 20
+# Moments of the sea that are kept come and go: 1.5 MB each. (Seen: 0.01 to 0.7 MB.)
+MOST_GROWTH = 4 << 20
 # Their refusals take seconds: STARVE_ALL alone.
 SLOW = ("optics", "stream", "video")
 
@@ -231,16 +231,20 @@ class Starved(unittest.TestCase):
                     self.assertIn(good, (200, 204), name)
             for name in names:
                 self.walk(d, name)
-            # Caches are full now: what still grows was lost.
+            # The seas that were asked for fill caches for some rounds; what
+            # grows after them was lost.
+            self.rounds(d, 3)
             grown = self.heap(d)
-            for _ in range(3):
-                for name in ("edit", "remove", "surface", "jpeg", "png",
-                             "frames"):
-                    self.walk(d, name)
+            self.rounds(d, 3)
             grown = self.heap(d) - grown
             print(f"{grown / 1e3:.0f} kB of heap more")
             if not SANITIZED:
                 self.assertLess(grown, MOST_GROWTH)
+
+    def rounds(self, d, count):
+        for _ in range(count):
+            for name in ("edit", "remove", "surface", "jpeg", "png", "frames"):
+                self.walk(d, name)
 
     def walk(self, d, name):
         work = getattr(self, name)
