@@ -172,11 +172,14 @@ def two_ships(folder):
         rudder = client.read_holding_registers(RUDDER, 2, slave=2).registers
         check(rudder == floats(-20), f"read back {rudder}")
         client.close()
-        for _ in range(20):  # what waited in the sockets
-            sentences = [heard(plotter) for plotter in plotters]
-        rudders = [next(s[1] for s in text if s[0] == "$AGRSA")
-                   for text in sentences]
-        check(rudders == ["20.0", "-20.0"], f"{rudders}")
+        for plotter, order in zip(plotters, ("20.0", "-20.0")):
+            until(f"its plotter hears {order}", lambda p=plotter, o=order: any(
+                s[:2] == ["$AGRSA", o] for s in heard(p)))
+        # Behind what waited in the sockets no other ship's.
+        for plotter, order in zip(plotters, ("20.0", "-20.0")):
+            rudders = {s[1] for _ in range(5) for s in heard(plotter)
+                       if s[0] == "$AGRSA"}
+            check(rudders <= {order}, f"{rudders}")
         # A moment long past is not kept: no frame may come late.
         daemon.patch({"clock": {"mode": "STEPPED"}})
         for i in range(3):

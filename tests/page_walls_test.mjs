@@ -11,7 +11,7 @@ import { after, before, beforeEach, describe, test } from "node:test";
 
 import { daemon, fresh, open, openSections, page, pictures, shot, state, text }
   from "./page.mjs";
-import { Daemon, folder, until } from "./pelagos_daemon.mjs";
+import { Daemon, SANITIZED, folder, until } from "./pelagos_daemon.mjs";
 
 const names = () => page.locator(".tile").evaluateAll((all) =>
   all.map((n) => n.dataset.view));
@@ -175,7 +175,8 @@ describe("addresses", () => {
   test("hold pictures until their time", async () => {
     await open(`${daemon.url}/?view=bow&hud=0`, { wait: false });
     const before = await late();
-    assert.ok(before.some(([, , ms]) => ms < -12), "as they come");
+    // A sanitizer's pictures come when their time is long past.
+    assert.ok(SANITIZED || before.some(([, , ms]) => ms < -12), "as they come");
     await open(`${daemon.url}/?view=bow&hud=0&step=1`, { wait: false });
     const held = await late();
     assert.ok(held.length > 20, JSON.stringify(held));

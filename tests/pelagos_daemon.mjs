@@ -11,7 +11,8 @@ import { fileURLToPath } from "node:url";
 export const ROOT = path.dirname(path.dirname(fileURLToPath(import.meta.url)));
 const BIN = process.env.PELAGOS_BIN ?? path.join(ROOT, "build/release/bin");
 // What "at once" may take, as in pelagos_daemon.py.
-const SLOW_MS = BIN.includes("tsan") || BIN.includes("asan") ? 240000 : 60000;
+export const SANITIZED = BIN.includes("tsan") || BIN.includes("asan");
+const SLOW_MS = SANITIZED ? 240000 : 60000;
 
 export const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 

@@ -193,9 +193,11 @@ void pel_fill_cloud_eye(const struct pel_environment *env, double x_m,
     double ex = speed > 0 ? c->east_mps / speed : cos(env->wind_to_rad);
     double ey = speed > 0 ? c->north_mps / speed : sin(env->wind_to_rad);
     if (c->cover > 0) {
+        double period_m = PEL_CLOUD_PERIOD * kind->tile_m;
         struct pel_vec2 at = in_tiles(x_m * ex + y_m * ey, y_m * ex - x_m * ey,
-                                      kind->tile_m * kind->along, kind->tile_m);
-        out->eye_clouds = vec4(at.x, at.y, ex, ey);
+                                      period_m * kind->along, period_m);
+        out->eye_clouds =
+            vec4(PEL_CLOUD_PERIOD * at.x, PEL_CLOUD_PERIOD * at.y, ex, ey);
     }
 }
 

@@ -18,16 +18,14 @@ vec3 beam_there(int i)
 // At x, m from the eye's nadir, so high above the sea.
 void veil_lights(vec2 x, float height, float footprint)
 {
-#ifdef PEL_CLOUDS
-    vec4 left = textureLod(cloud_shade, cloud_place(x), cloud_lod(footprint));
-#endif
 #ifdef PEL_FOG
     vec2 tilt = x / planet.x;
 #endif
     for (int i = 0; i < PEL_LIT; i++) {
         lights_leave[i] = 1.0;
 #ifdef PEL_CLOUDS
-        lights_leave[i] = left[i];
+        lights_leave[i] =
+            textureLod(cloud_shade, cloud_shade_place(x, lights[i].direction.xyz), cloud_lod(footprint))[i];
 #endif
 #ifdef PEL_FOG
         lights_leave[i] *= exp(-fog_to_light(vec3(x, height), i, light_above(i, tilt)));

@@ -557,6 +557,8 @@ struct pel_uvec4 {
  * scattering, by Henyey and Greenstein. */
 #define PEL_CLOUD_TEXELS 512
 #define PEL_CLOUD_ASYMMETRY 0.85
+/* Tiles after which their field is the same again (lib/cloudfield.glsl). */
+#define PEL_CLOUD_PERIOD 16.0
 #define PEL_CLOUD_NODE 3.7e-3 /* rad between nodes at most: cloudscape.frag */
 #define PEL_CLOUD_NODE_PX 16
 #define PEL_CLOUD_WHITE 0.8 /* power of white balance under clouds */
@@ -666,7 +668,8 @@ PEL_BLOCK(PEL_BLOCK_EYE, eye)
     vec4 grain; /* the eye's nadir in tiles of foam, xy, of streaks, zw */
     vec4 bends; /* x of streaks there, turns */
     vec4 eye_clouds; /* xy the nadir in tiles of the clouds' field, along their
-                        drift and across; zw that way, unit */
+                        drift and across, 0..PEL_CLOUD_PERIOD; zw that way,
+                        unit */
     vec4 fog_layers; /* x optical depth of all layers, upward */
     PEL_STRUCT pel_shader_fog fogs[PEL_FOGS]; /* layers, then banks */
 };

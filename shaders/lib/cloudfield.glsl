@@ -40,10 +40,22 @@ vec2 cloud_across(vec2 x)
     return along * vec2(cloud_size.z / cloud_size.w, cloud_size.z);
 }
 
-// Of metres from the eye's nadir.
+// Of metres from the eye's nadir. Waves of many tiles displace the tile, so that it
+// is not seen over and over; at the origin by nothing and evenly. They stretch it by
+// 0.43 at most.
 vec2 cloud_place(vec2 x)
 {
-    return eye_clouds.xy + cloud_across(x);
+    vec2 at = eye_clouds.xy + cloud_across(x);
+    vec4 turns = vec4(3.0 * at.x + 5.0 * at.y, 5.0 * at.x - 3.0 * at.y, at.x + at.y, at.x - at.y) / PEL_CLOUD_PERIOD;
+    vec4 s = smoothstep(0.0, 0.5, abs(turns - round(turns)));
+    return at + 0.2 * s.xy + 0.8 * s.zw;
+}
+
+// For the tile of shade, which is not displaced: by as much as what shades a place.
+vec2 cloud_shade_place(vec2 x, vec3 to)
+{
+    vec2 off = to.xy * ((cloud_size.x + 0.35 * cloud_size.y) / max(to.z, 0.05));
+    return cloud_place(x + off) - cloud_across(off);
 }
 
 float cloud_lod(float metres)

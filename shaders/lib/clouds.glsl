@@ -34,7 +34,8 @@ vec2 cloud_column(vec2 at, float lod, float z)
     float fine = 0.0;
     // Where it decides, at the rim.
     if (u.r > cloud_shape.x - 0.5 * cloud_light.z / cloud_shape.y) {
-        fine = textureLod(cloud_field, at * 5.17 + z * vec2(3e-4, 2e-4), lod + 2.4).b - 0.5;
+        // Whole after PEL_CLOUD_PERIOD tiles.
+        fine = textureLod(cloud_field, at * 5.1875 + z * vec2(3e-4, 2e-4), lod + 2.4).b - 0.5;
     }
     return cloud_top(u, fine);
 }
