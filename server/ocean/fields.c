@@ -113,7 +113,8 @@ void pel_cascade_fields_destroy(struct pel_cascade_fields *f)
 /* --- the moments kept ------------------------------------------------------
  */
 
-#define KEPT 3
+#define KEPT 3 /* besides what is held */
+#define SLOTS (KEPT + PEL_SEA_HELD)
 #define MOST_WORKS 4 /* scratches kept */
 
 /* How deep each cascade's fields are being computed and are computed. */
@@ -133,7 +134,9 @@ struct pel_kept_fields {
 struct pel_fields_cache {
     pthread_mutex_t lock; /* guards all, but not the texels being computed */
     pthread_cond_t changed;
-    struct pel_kept_fields *kept[KEPT];
+    struct pel_kept_fields *kept[SLOTS];
+    int held_count;
+    double held[PEL_SEA_HELD]; /* moments */
     uint64_t clock;
     struct pel_evolve_work *works[MOST_WORKS]; /* idle ones */
     int64_t worked_ns;
@@ -184,7 +187,7 @@ void pel_fields_cache_finish(struct pel_fields_cache *cache)
         cache->after->before = cache->before;
     }
     pthread_mutex_unlock(&all_lock);
-    for (int i = 0; i < KEPT; i++) {
+    for (int i = 0; i < SLOTS; i++) {
         drop(cache->kept[i]);
     }
     for (int i = 0; i < MOST_WORKS; i++) {
@@ -200,7 +203,7 @@ void pel_fields_cache_finish(struct pel_fields_cache *cache)
 static struct pel_kept_fields *find(struct pel_fields_cache *cache,
                                     double time_s)
 {
-    for (int i = 0; i < KEPT; i++) {
+    for (int i = 0; i < SLOTS; i++) {
         struct pel_kept_fields *k = cache->kept[i];
         if (k && k->fields.time_s == time_s) {
             return k;
@@ -209,29 +212,58 @@ static struct pel_kept_fields *find(struct pel_fields_cache *cache,
     return NULL;
 }
 
-/* Makes the place used longest ago one of another moment. */
+static bool is_among(const double *times, int count, double time_s)
+{
+    for (int i = 0; i < count; i++) {
+        if (times[i] == time_s) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_held(const struct pel_fields_cache *cache, double time_s)
+{
+    return is_among(cache->held, cache->held_count, time_s);
+}
+
+/* The place for another moment: an empty one while there are few others, else
+ * that used longest ago, of those that are not held. */
+static int place_for(const struct pel_fields_cache *cache, double time_s)
+{
+    int empty = -1, oldest = -1, others = 0;
+    for (int i = 0; i < SLOTS; i++) {
+        const struct pel_kept_fields *k = cache->kept[i];
+        if (!k) {
+            empty = i;
+        } else if (!is_held(cache, k->fields.time_s)) {
+            others++;
+            oldest =
+                oldest < 0 || k->used < cache->kept[oldest]->used ? i : oldest;
+        }
+    }
+    bool room = empty >= 0 && (others < KEPT || is_held(cache, time_s));
+    return room ? empty : oldest;
+}
+
+static void begin_moment(struct pel_kept_fields *k, double time_s)
+{
+    k->waves = k->breaking = (struct progress){ 0 };
+    k->fields.time_s = time_s;
+}
+
 static struct pel_kept_fields *add(struct pel_fields_cache *cache,
                                    double time_s)
 {
-    int oldest = 0;
-    for (int i = 0; i < KEPT; i++) {
-        if (!cache->kept[i]) {
-            oldest = i;
-            break;
-        }
-        if (cache->kept[i]->used < cache->kept[oldest]->used) {
-            oldest = i;
-        }
-    }
-    struct pel_kept_fields *k = cache->kept[oldest];
+    int place = place_for(cache, time_s);
+    struct pel_kept_fields *k = cache->kept[place];
     if (!k || k->users > 0) {
         drop(k);
         k = calloc(1, sizeof *k);
-        cache->kept[oldest] = k;
+        cache->kept[place] = k;
     }
     if (k) {
-        k->waves = k->breaking = (struct progress){ 0 };
-        k->fields.time_s = time_s;
+        begin_moment(k, time_s);
     }
     return k;
 }
@@ -286,10 +318,10 @@ static void give_work(struct pel_fields_cache *cache,
 
 static void forget(struct pel_fields_cache *cache, int64_t before_ns)
 {
-    struct pel_kept_fields *kept[KEPT] = { NULL };
+    struct pel_kept_fields *kept[SLOTS] = { NULL };
     struct pel_evolve_work *works[MOST_WORKS] = { NULL };
     pthread_mutex_lock(&cache->lock);
-    for (int i = 0; i < KEPT; i++) {
+    for (int i = 0; i < SLOTS; i++) {
         struct pel_kept_fields *k = cache->kept[i];
         if (k && k->users == 0 && k->used_ns <= before_ns) {
             kept[i] = k;
@@ -301,7 +333,7 @@ static void forget(struct pel_fields_cache *cache, int64_t before_ns)
         memset(cache->works, 0, sizeof works);
     }
     pthread_mutex_unlock(&cache->lock);
-    for (int i = 0; i < KEPT; i++) {
+    for (int i = 0; i < SLOTS; i++) {
         drop(kept[i]);
     }
     for (int i = 0; i < MOST_WORKS; i++) {
@@ -435,6 +467,31 @@ bool pel_fields_prepare(const struct pel_cascades *c, double time_s,
     }
     pthread_mutex_unlock(&cache->lock);
     return whole;
+}
+
+void pel_fields_hold(const struct pel_cascades *c, const double *times_s,
+                     int count)
+{
+    struct pel_fields_cache *cache = c->cache;
+    pthread_mutex_lock(&cache->lock);
+    for (int i = 0, from = 0; i < count; i++) {
+        bool there = find(cache, times_s[i]) != NULL;
+        /* What is not held any more gives its memory to what is. */
+        for (; !there && from < SLOTS; from++) {
+            struct pel_kept_fields *k = cache->kept[from];
+            if (k && k->users == 0 && is_held(cache, k->fields.time_s) &&
+                !is_among(times_s, count, k->fields.time_s)) {
+                begin_moment(k, times_s[i]);
+                k->used = ++cache->clock;
+                k->used_ns = pel_now_ns();
+                from++;
+                break;
+            }
+        }
+    }
+    cache->held_count = count;
+    memcpy(cache->held, times_s, (size_t)count * sizeof *times_s);
+    pthread_mutex_unlock(&cache->lock);
 }
 
 void pel_fields_forget(int64_t before_ns)

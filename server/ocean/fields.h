@@ -43,6 +43,12 @@ bool pel_fields_prepare(const struct pel_cascades *c, double time_s,
                         enum pel_fields_depth depth, bool (*go_on)(void *user),
                         void *user);
 
+/* These moments, at most PEL_SEA_HELD and none twice, are kept beside those
+ * that were asked for last, until others are held or nobody has asked for them
+ * for as long as for others. Any thread. */
+void pel_fields_hold(const struct pel_cascades *c, const double *times_s,
+                     int count);
+
 /* Gives back the fields of moments, of all seas, that nobody has asked for
  * since before_ns (pel_now_ns), 10 to 16 MB each. Any thread. */
 void pel_fields_forget(int64_t before_ns);

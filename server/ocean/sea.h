@@ -260,3 +260,9 @@ void pel_sea_query_moving(const struct pel_sea *sea,
  * are the same with and without. */
 bool pel_sea_prepare(const struct pel_sea *sea, double time_s, bool moving,
                      bool (*go_on)(void *user), void *user);
+
+/* What is prepared for these moments stays, whatever else is asked, until other
+ * ones are named or none is asked for in seconds. */
+#define PEL_SEA_HELD 4
+void pel_sea_hold(const struct pel_sea *sea,
+                  const double times_s[PEL_SEA_HELD]);

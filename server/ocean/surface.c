@@ -368,6 +368,13 @@ bool pel_sea_prepare(const struct pel_sea *sea, double time_s, bool moving,
                               go_on, user);
 }
 
+void pel_sea_hold(const struct pel_sea *sea, const double times_s[PEL_SEA_HELD])
+{
+    if (sea->cascades) {
+        pel_fields_hold(sea->cascades, times_s, PEL_SEA_HELD);
+    }
+}
+
 void pel_sea_sample(const struct pel_sea *sea, double x_m, double y_m,
                     double time_s, struct pel_surface_sample *out)
 {

@@ -26,7 +26,7 @@
 #include "scene/weatherlead.h"
 
 #define MAX_STEP_S 3600.0
-#define SHIP_MS 500
+#define SHIP_MS 100
 #define DEFAULT_WAVES 60
 
 double pel_scene_time(struct pel_scene *scene)

@@ -7,6 +7,7 @@
 #include "scene/wakes.h"
 
 #define HEAVE_DAMPING 0.35 /* of critical; ships lie at 0.3 to 0.5 */
+#define SHORTEST 1e-6      /* of a step; less may be a double's rounding */
 #define SLOWEST 0.05       /* of the speed: below, steering grows no slower */
 #define MOST_HEAVE_M 50.0
 #define MOST_ANGLE_RAD (60.0 * PEL_DEG)
@@ -153,33 +154,44 @@ static void move(const struct pel_ship *ship, const struct pel_ship_step *step,
     for (int i = 0; i < 3; i++) {
         *modes[i] =
             pel_ship_respond(*modes[i], periods[i], damping[i], step->sea[i],
-                             step->sea_after[i], ship->step_s, seconds);
+                             step->sea_after[i], step->span_s, seconds);
         hold(modes[i], i == 0 ? MOST_HEAVE_M : MOST_ANGLE_RAD);
     }
 }
 
 /* The step that begins with this motion; the sea at its end is looked up where
  * the ship will then be. */
-static void open_step(const struct pel_ship *ship, const struct pel_sea *sea,
-                      struct pel_ship_step *step)
+static void open_step(const struct pel_ship *ship, uint64_t number,
+                      const struct pel_sea *sea, struct pel_ship_step *step)
 {
     struct pel_ship_motion after = step->motion;
-    pel_ship_steer(&ship->orders, ship->step_s, &after);
-    pel_ship_sea(ship, &after, step->time_s + ship->step_s, sea,
+    pel_ship_steer(&ship->orders, step->span_s, &after);
+    pel_ship_sea(ship, &after, pel_ship_time(ship, number + 1), sea,
                  step->sea_after);
 }
 
-/* Times come from the start, so that they do not depend on the way there. */
+double pel_ship_whole(double time_s, double step_s)
+{
+    return floor(time_s / step_s + SHORTEST);
+}
+
+double pel_ship_time(const struct pel_ship *ship, uint64_t step)
+{
+    return step == 0 ? ship->start_s
+                     : (ship->whole + (double)step) * ship->step_s;
+}
+
 static void next_step(const struct pel_ship *ship, uint64_t count,
                       const struct pel_ship_step *last,
                       const struct pel_sea *sea, struct pel_ship_step *next)
 {
-    move(ship, last, ship->step_s, &next->motion);
-    next->time_s = ship->start_s + (double)count * ship->step_s;
+    move(ship, last, last->span_s, &next->motion);
+    next->time_s = pel_ship_time(ship, count);
+    next->span_s = ship->step_s;
     for (int i = 0; i < 3; i++) {
         next->sea[i] = last->sea_after[i];
     }
-    open_step(ship, sea, next);
+    open_step(ship, count, sea, next);
 }
 
 /* --- the way ------------------------------------------------------------- */
@@ -219,16 +231,18 @@ int pel_ship_trail(const struct pel_ship *ship, double time_s,
 {
     uint64_t step = ship->count;
     int count = ship->mark_count;
-    struct pel_ship_motion m = ship->steps[step % PEL_SHIP_HISTORY].motion;
-    double until = fmin(time_s, ship->steps[step % PEL_SHIP_HISTORY].time_s +
-                                    PEL_SHIP_AHEAD_S);
+    const struct pel_ship_step *last = &ship->steps[step % PEL_SHIP_HISTORY];
+    struct pel_ship_motion m = last->motion;
+    double span_s = last->span_s;
+    double until = fmin(time_s, last->time_s + PEL_SHIP_AHEAD_S);
     memcpy(out, ship->marks, sizeof *out * (size_t)count);
     for (;;) {
-        double at = ship->start_s + (double)++step * ship->step_s;
+        double at = pel_ship_time(ship, ++step);
         if (at >= until) {
             break;
         }
-        pel_ship_steer(&ship->orders, ship->step_s, &m);
+        pel_ship_steer(&ship->orders, span_s, &m);
+        span_s = ship->step_s;
         if (step % PEL_SHIP_MARK_STEPS == 0) {
             mark(out, &count, at, &m);
         }
@@ -243,27 +257,39 @@ void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
                     const struct pel_ship_motion *motion, double time_s,
                     double rate)
 {
+    double step_s = PEL_SHIP_STEP_S * fmax(1, rate / 4);
     *ship = (struct pel_ship){
         .orders = *orders,
-        .step_s = PEL_SHIP_STEP_S * fmax(1, rate / 4),
+        .step_s = step_s,
         .start_s = time_s,
+        .whole = pel_ship_whole(time_s, step_s),
         .start = *motion,
         .steps[0] = { .time_s = time_s, .motion = *motion },
     };
+    ship->steps[0].span_s = pel_ship_time(ship, 1) - time_s;
     mark(ship->marks, &ship->mark_count, time_s, motion);
 }
 
-/* The sea of the first step. */
+/* The sea of the first step: at its start between what it asks there at the
+ * multiples before and after. */
 static void ask_first(const struct pel_ship *ship, const struct pel_sea *sea,
                       struct pel_ship_step *first)
 {
-    pel_ship_sea(ship, &first->motion, first->time_s, sea, first->sea);
-    open_step(ship, sea, first);
+    double gone = first->time_s / ship->step_s - ship->whole, after[3];
+    pel_ship_sea(ship, &first->motion, ship->whole * ship->step_s, sea,
+                 first->sea);
+    if (gone > SHORTEST) {
+        pel_ship_sea(ship, &first->motion, pel_ship_time(ship, 1), sea, after);
+        for (int i = 0; i < 3; i++) {
+            first->sea[i] += gone * (after[i] - first->sea[i]);
+        }
+    }
+    open_step(ship, 0, sea, first);
 }
 
 bool pel_ship_steps(const struct pel_ship *ship, double time_s)
 {
-    return ship->start_s + (double)(ship->count + 1) * ship->step_s <= time_s;
+    return pel_ship_time(ship, ship->count + 1) <= time_s;
 }
 
 bool pel_ship_asks(const struct pel_ship *ship, double time_s)
@@ -290,7 +316,7 @@ bool pel_ship_advance(struct pel_ship *ship, double time_s,
     }
     for (;;) {
         uint64_t next = ship->count + 1;
-        if (!(ship->start_s + (double)next * ship->step_s <= time_s)) {
+        if (!(pel_ship_time(ship, next) <= time_s)) {
             return moved;
         }
         next_step(ship, next, &ship->steps[ship->count % PEL_SHIP_HISTORY], sea,
@@ -315,7 +341,7 @@ void pel_ship_at(const struct pel_ship *ship, double time_s,
     if (!ship->asked && time_s > step.time_s) {
         ask_first(ship, sea, &step);
     }
-    while (ship->start_s + (double)(count + 1) * ship->step_s <= time_s) {
+    while (pel_ship_time(ship, count + 1) <= time_s) {
         struct pel_ship_step next = { 0 };
         next_step(ship, ++count, &step, sea, &next);
         step = next;

@@ -2,9 +2,11 @@
  * carried by the sea that is drawn. docs/physics.md has the equations.
  *
  * The motion is a function of the start (state, orders, time) and of simulated
- * time: it goes in steps of PEL_SHIP_STEP_S from the start, each solved in
- * closed form, so it does not depend on when or how often it is sampled. Pure
- * functions, any thread. Local frame of scene/snapshot.h. */
+ * time: it goes in steps that end at multiples of PEL_SHIP_STEP_S, each solved
+ * in closed form, so it does not depend on when or how often it is sampled. The
+ * sea is asked at these multiples alone, whenever orders came and of whichever
+ * ship, so that its moments can be computed ahead. Pure functions, any thread.
+ * Local frame of scene/snapshot.h. */
 #pragma once
 
 #include <stdbool.h>
@@ -46,7 +48,7 @@ struct pel_ship_motion {
 
 /* A step: the motion at its start, and what the sea asks at both ends. */
 struct pel_ship_step {
-    double time_s;
+    double time_s, span_s;
     struct pel_ship_motion motion;
     double sea[3], sea_after[3]; /* heave, pitch, roll */
 };
@@ -68,6 +70,7 @@ struct pel_ship {
     struct pel_ship_orders orders;
     double step_s;
     double start_s;
+    double whole; /* steps of simulated time before the start */
     struct pel_ship_motion start;
     /* Ship waves (wakes.h), its own left out; NULL: none. */
     const struct pel_wakes *wakes;
@@ -92,6 +95,11 @@ double pel_ship_roll_period(double beam_m);
 void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
                     const struct pel_ship_motion *motion, double time_s,
                     double rate);
+
+/* Steps of this length that are over at a time, within a millionth of one. */
+double pel_ship_whole(double time_s, double step_s);
+/* When the step of this number begins, 0 the first. */
+double pel_ship_time(const struct pel_ship *ship, uint64_t step);
 
 /* Whether pel_ship_at looks at the sea for time_s, and pel_ship_advance; else
  * they take NULL for it. */

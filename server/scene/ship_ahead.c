@@ -1,6 +1,8 @@
 /* The ships' steps, done ahead by a thread: each looks up a moment of the sea,
  * which takes milliseconds where that is of FFT. A motion is a function of its
- * start and of time, so it does not matter who takes a step. */
+ * start and of time, so it does not matter who takes a step. The moments about
+ * now and next stay there, since orders begin a motion anew: then the control
+ * thread has all that it asks for. */
 #include <math.h>
 #include <string.h>
 
@@ -8,10 +10,9 @@
 #include "scene/sharedsea.h"
 #include "scene/wakes.h"
 
-/* Of real time: what the clock goes on by while a busy thread is late. */
-#define LEAD_S 2.0
-/* With ship waves, which each edit of another ship changes. */
-#define LEAD_IN_WAKES_S 0.6
+/* Of real time: what the clock goes on by while a busy thread is late; the
+ * moments that are held last so long. */
+#define LEAD_S ((PEL_SEA_HELD - 2) * PEL_SHIP_STEP_S)
 
 struct ahead {
     struct pel_task task;
@@ -23,9 +24,31 @@ struct ahead {
     double from_s, until_s;
 };
 
+static bool always(void *user)
+{
+    (void)user;
+    return true;
+}
+
+/* From the multiple of steps before now on. */
+static void hold_moments(const struct ahead *ahead)
+{
+    const struct pel_sea *sea = pel_shared_sea_value(ahead->sea);
+    double step_s = ahead->ships[0].ship.step_s, times_s[PEL_SEA_HELD];
+    double first = pel_ship_whole(ahead->from_s, step_s);
+    for (int i = 0; i < PEL_SEA_HELD; i++) {
+        times_s[i] = (first + i) * step_s;
+    }
+    pel_sea_hold(sea, times_s);
+    for (int i = 0; i < PEL_SEA_HELD; i++) {
+        (void)pel_sea_prepare(sea, times_s[i], false, always, NULL);
+    }
+}
+
 static void work(struct pel_task *task)
 {
     struct ahead *ahead = (struct ahead *)task;
+    hold_moments(ahead);
     /* Together, so that those in step look up the same moments. */
     for (double t = ahead->from_s; t < ahead->until_s + PEL_SHIP_STEP_S;
          t += PEL_SHIP_STEP_S) {
@@ -91,11 +114,10 @@ static bool due(const struct pel_snapshot *s, double time_s)
 void pel_scene_step_ahead(struct pel_scene *scene, double time_s)
 {
     const struct pel_snapshot *s = scene->snapshot;
-    double lead_s = s->mode == PEL_CLOCK_FREE
-                        ? fmin((s->wakes ? LEAD_IN_WAKES_S : LEAD_S) *
-                                   fmax(fabs(s->rate), 1),
-                               PEL_SHIP_AHEAD_S)
-                        : PEL_SHIP_AHEAD_S;
+    double lead_s =
+        s->mode == PEL_CLOCK_FREE
+            ? fmin(LEAD_S * fmax(fabs(s->rate), 1), PEL_SHIP_AHEAD_S)
+            : PEL_SHIP_AHEAD_S;
     if (scene->apart || scene->ship_ahead || !pel_snapshot_transforms(s) ||
         !due(s, time_s + 0.5 * lead_s)) {
         return;

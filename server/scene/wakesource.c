@@ -28,7 +28,7 @@ struct knot {
 struct pel_wake_knots {
     pthread_mutex_t lock;
     struct pel_ship_orders orders;
-    double start_s, step_s;
+    double start_s, step_s, before, first_s; /* pel_ship_time; the first step */
     double settled_s; /* from then on speed and turn are steady */
     /* Of the time before, as far as they were needed. */
     size_t count, room;
@@ -48,6 +48,8 @@ static struct pel_wake_knots *knots_of(const struct pel_ship *ship)
     k->orders = *o;
     k->start_s = ship->start_s;
     k->step_s = ship->step_s;
+    k->before = ship->whole;
+    k->first_s = pel_ship_time(ship, 1) - ship->start_s;
     k->settled_s = k->start_s + fmin(SETTLED * slowest, SETTLED_S);
     k->room = 16;
     k->count = 1;
@@ -73,8 +75,8 @@ static void step_on(struct pel_wake_knots *k)
     double time_s;
     uint64_t n = k->steps;
     do {
-        pel_ship_steer(&k->orders, k->step_s, &m);
-        time_s = k->start_s + (double)++n * k->step_s;
+        pel_ship_steer(&k->orders, n == 0 ? k->first_s : k->step_s, &m);
+        time_s = (k->before + (double)++n) * k->step_s;
     } while (!bends(&last->motion, &m, time_s - last->time_s) &&
              time_s < last->time_s + LONGEST_S && time_s < k->settled_s);
     if (k->count == k->room) {
