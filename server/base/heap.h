@@ -1,6 +1,12 @@
 /* What malloc holds and nobody uses goes back to the system. */
 #pragma once
 
+/* Part of something large whose memory nobody uses any more. */
+struct pel_discard {
+    struct pel_discard *next;
+    void (*drop)(struct pel_discard *self); /* any thread */
+};
+
 /* Before the first thread: blocks of pictures and seas go back as they are
  * freed. By itself glibc soon takes such blocks from the heaps of threads,
  * where smaller ones above keep them: half of what was resident after a while.
@@ -14,4 +20,8 @@ void pel_heap_settle(void);
  * 300 MB. Without memory for it there is none. Main thread. */
 #define PEL_HEAP_PAUSE_S 10
 void pel_heap_begin(void);
-void pel_heap_end(void);
+void pel_heap_end(void); /* all that waits is dropped */
+
+/* That thread drops it: unmapping 100 MB takes milliseconds, which the control
+ * thread has not. At once where there is no such thread. Any thread. */
+void pel_heap_discard(struct pel_discard *what);

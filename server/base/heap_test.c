@@ -1,6 +1,8 @@
-/* Pages between blocks that are in use go back to the system. */
+/* Pages between blocks that are in use go back to the system; what is discarded
+ * is dropped once, by the thread where there is one. */
 #include "base/heap.h"
 
+#include <pthread.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -59,8 +61,46 @@ static void free_pages_go_back(void **state)
     }
 }
 
+struct load {
+    struct pel_discard discard; /* first */
+    pthread_t by;
+    int times;
+};
+
+static void drop(struct pel_discard *discard)
+{
+    struct load *load = (struct load *)discard;
+    load->by = pthread_self();
+    load->times++;
+}
+
+static void loads_are_dropped_once(void **state)
+{
+    (void)state;
+    static struct load loads[100], late;
+    for (int round = 0; round < 2; round++) { /* the thread can begin again */
+        memset(loads, 0, sizeof loads);
+        pel_heap_begin();
+        for (int i = 0; i < 100; i++) {
+            loads[i].discard.drop = drop;
+            pel_heap_discard(&loads[i].discard);
+        }
+        pel_heap_end();
+        for (int i = 0; i < 100; i++) {
+            assert_int_equal(loads[i].times, 1);
+            assert_false(pthread_equal(loads[i].by, pthread_self()));
+        }
+    }
+    late.discard.drop = drop;
+    pel_heap_discard(&late.discard);
+    assert_true(late.times == 1 && pthread_equal(late.by, pthread_self()));
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test(free_pages_go_back) };
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(free_pages_go_back),
+        cmocka_unit_test(loads_are_dropped_once),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

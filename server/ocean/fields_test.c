@@ -122,6 +122,54 @@ static void any_way_to_a_moment_gives_its_bits(void **state)
     pel_sea_finish(&fresh);
 }
 
+static bool never(void *user)
+{
+    (void)user;
+    return false;
+}
+
+static bool is_there(const struct pel_sea *sea, double time_s)
+{
+    return pel_fields_prepare(sea->cascades, time_s, PEL_FIELDS_VELOCITY, never,
+                              NULL);
+}
+
+static void what_is_held_stays(void **state)
+{
+    (void)state;
+    struct pel_sea sea, fresh;
+    struct answers want, got;
+    double held_s[PEL_SEA_HELD];
+    build(&sea);
+    build(&fresh);
+    for (int round = 0; round < 6; round++) { /* a window that goes on */
+        for (int i = 0; i < PEL_SEA_HELD; i++) {
+            held_s[i] = 0.2 * (round + i);
+        }
+        pel_sea_hold(&sea, held_s);
+        for (int i = 0; i < PEL_SEA_HELD; i++) {
+            assert_int_equal(is_there(&sea, held_s[i]),
+                             round > 0 && i < PEL_SEA_HELD - 1);
+            assert_true(pel_sea_prepare(&sea, held_s[i], false, always, NULL));
+        }
+        for (int i = 0; i < 9; i++) {
+            ask(&sea, 50 + 10 * round + i, true, &got);
+        }
+        for (int i = 0; i < PEL_SEA_HELD; i++) {
+            assert_true(is_there(&sea, held_s[i]));
+        }
+        assert_true(is_there(&sea, 58 + 10 * round));
+        assert_false(is_there(&sea, 50 + 10 * round));
+    }
+    ask(&fresh, held_s[1], false, &want);
+    ask(&sea, held_s[1], false, &got);
+    assert_same(&got, &want, false);
+    pel_fields_forget(pel_now_ns());
+    assert_false(is_there(&sea, held_s[1])); /* nobody asked */
+    pel_sea_finish(&sea);
+    pel_sea_finish(&fresh);
+}
+
 struct asker {
     const struct pel_sea *sea;
     struct answers answers[8];
@@ -206,6 +254,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(any_way_to_a_moment_gives_its_bits),
+        cmocka_unit_test(what_is_held_stays),
         cmocka_unit_test(threads_share_the_work),
         cmocka_unit_test(fields_are_derivatives),
     };

@@ -11,6 +11,7 @@
 
 enum { SIDE = 96, KINDS = 9 };
 static struct pel_sea fft, trochoids;
+static const struct pel_seabed *bed;
 
 /* Of as many kinds of pictures, which have few programs in common. */
 static struct pel_picture *draw(struct pel_renderer *r, int kind)
@@ -18,7 +19,7 @@ static struct pel_picture *draw(struct pel_renderer *r, int kind)
     struct pel_environment env =
         test_environment(kind % 2 ? &trochoids : &fft, 5.0);
     double height_m = 12;
-    env.seabed = kind == 2 ? test_bed(test_island) : NULL;
+    env.seabed = kind == 2 ? bed : NULL;
     env.visibility_m = kind == 3 ? 2000 : 40000;
     env.fog_count = kind == 4;
     env.fog[0] = (struct pel_fog){ .extinction = 0.002, .top_m = 20 };
@@ -158,8 +159,10 @@ int main(void)
     };
     test_fft_sea(9.0, 3, &fft);
     test_sea(9.0, 0.0, 3, &trochoids);
+    bed = test_bed(test_island);
     int failed = cmocka_run_group_tests(tests, begin_renderer, end_renderer);
     pel_sea_finish(&fft);
     pel_sea_finish(&trochoids);
+    pel_seabed_unref(bed);
     return failed;
 }

@@ -2,6 +2,10 @@
 
 #include <glib.h>
 
+#include "scene/helm.h"
+#include "scene/ship.h"
+#include "scene/ship_ahead.h"
+
 struct pel_resources pel_resources_ref(const struct pel_resources *from)
 {
     struct pel_resources to = { 0 };
@@ -68,13 +72,27 @@ enum pel_err pel_resources_get(const Pelagos__State *state,
     return err;
 }
 
+/* What ships under way ask of a new sea when it takes effect, soon. */
+static void prepare_ships(const Pelagos__State *state,
+                          const struct pel_sea *sea)
+{
+    bool any = false;
+    for (size_t i = 0; i < state->n_entities && !any; i++) {
+        any = pel_helm_on(state, state->entities[i]) != NULL;
+    }
+    if (any && state->clock->mode == PELAGOS__CLOCK_MODE__FREE) {
+        pel_ships_hold_sea(sea, state->clock->time,
+                           pel_ship_step_s(state->clock->rate));
+    }
+}
+
 static void work(struct pel_task *task)
 {
     struct pel_preparation *p = (struct pel_preparation *)task;
     p->err = pel_resources_get(p->state, p->means, p->files, &p->present,
                                &p->got, &p->fault);
     if (!p->err) {
-        pel_shared_sea_value(p->got.sea);
+        prepare_ships(p->state, pel_shared_sea_value(p->got.sea));
     }
 }
 

@@ -62,13 +62,20 @@ const struct pel_sea *pel_snapshot_sea(const struct pel_snapshot *s)
     return pel_shared_sea_value(s->sea);
 }
 
+static void drop(struct pel_discard *discard)
+{
+    struct pel_shared_sea *sea = (struct pel_shared_sea *)discard;
+    pel_sea_finish(&sea->sea);
+    pel_seabed_unref(sea->laid.bed);
+    pthread_mutex_destroy(&sea->lock);
+    free(sea->record);
+    free(sea);
+}
+
 void pel_shared_sea_unref(struct pel_shared_sea *sea)
 {
     if (sea && atomic_fetch_sub(&sea->refs, 1) == 1) {
-        pel_sea_finish(&sea->sea);
-        pel_seabed_unref(sea->laid.bed);
-        pthread_mutex_destroy(&sea->lock);
-        free(sea->record);
-        free(sea);
+        sea->discard.drop = drop;
+        pel_heap_discard(&sea->discard);
     }
 }

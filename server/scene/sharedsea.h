@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
+#include "base/heap.h"
 #include "ocean/sea.h"
 #include "seabed/seabed.h"
 
@@ -15,6 +16,7 @@ struct pel_laid {
 };
 
 struct pel_shared_sea {
+    struct pel_discard discard; /* first */
     atomic_uint refs;
     struct pel_sea_desc desc; /* as asked for; the sea's own is normalized */
     struct pel_laid laid;

@@ -170,6 +170,11 @@ static void open_step(const struct pel_ship *ship, uint64_t number,
                  step->sea_after);
 }
 
+double pel_ship_step_s(double rate)
+{
+    return PEL_SHIP_STEP_S * fmax(1, rate / 4);
+}
+
 double pel_ship_whole(double time_s, double step_s)
 {
     return floor(time_s / step_s + SHORTEST);
@@ -257,7 +262,7 @@ void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
                     const struct pel_ship_motion *motion, double time_s,
                     double rate)
 {
-    double step_s = PEL_SHIP_STEP_S * fmax(1, rate / 4);
+    double step_s = pel_ship_step_s(rate);
     *ship = (struct pel_ship){
         .orders = *orders,
         .step_s = step_s,

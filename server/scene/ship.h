@@ -96,6 +96,8 @@ void pel_ship_start(struct pel_ship *ship, const struct pel_ship_orders *orders,
                     const struct pel_ship_motion *motion, double time_s,
                     double rate);
 
+/* Length of a step at a rate of simulated time. */
+double pel_ship_step_s(double rate);
 /* Steps of this length that are over at a time, within a millionth of one. */
 double pel_ship_whole(double time_s, double step_s);
 /* When the step of this number begins, 0 the first. */

@@ -8,6 +8,7 @@
 
 #include "scene/scene_parts.h"
 #include "scene/sharedsea.h"
+#include "scene/ship_ahead.h"
 #include "scene/wakes.h"
 
 /* Of real time: what the clock goes on by while a busy thread is late; the
@@ -30,12 +31,9 @@ static bool always(void *user)
     return true;
 }
 
-/* From the multiple of steps before now on. */
-static void hold_moments(const struct ahead *ahead)
+void pel_ships_hold_sea(const struct pel_sea *sea, double time_s, double step_s)
 {
-    const struct pel_sea *sea = pel_shared_sea_value(ahead->sea);
-    double step_s = ahead->ships[0].ship.step_s, times_s[PEL_SEA_HELD];
-    double first = pel_ship_whole(ahead->from_s, step_s);
+    double times_s[PEL_SEA_HELD], first = pel_ship_whole(time_s, step_s);
     for (int i = 0; i < PEL_SEA_HELD; i++) {
         times_s[i] = (first + i) * step_s;
     }
@@ -48,7 +46,8 @@ static void hold_moments(const struct ahead *ahead)
 static void work(struct pel_task *task)
 {
     struct ahead *ahead = (struct ahead *)task;
-    hold_moments(ahead);
+    pel_ships_hold_sea(pel_shared_sea_value(ahead->sea), ahead->from_s,
+                       ahead->ships[0].ship.step_s);
     /* Together, so that those in step look up the same moments. */
     for (double t = ahead->from_s; t < ahead->until_s + PEL_SHIP_STEP_S;
          t += PEL_SHIP_STEP_S) {

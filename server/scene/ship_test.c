@@ -274,6 +274,45 @@ static void looked_at_at_15_and_60_hz(void **state)
     pel_sea_finish(&sea);
 }
 
+/* Whenever orders come, the sea is asked at multiples of the step: else each
+ * order would wait for moments of its own. */
+static void the_sea_is_asked_at_multiples(void **state)
+{
+    (void)state;
+    struct pel_sea sea;
+    struct pel_ship ship;
+    struct pel_ship_orders o = usual();
+    struct pel_ship_motion m = { .east_m = 4, .speed_mps = 3 }, at;
+    double before[3], after[3], next[3];
+    make_sea(12, 1, 9, 1, &sea);
+    pel_ship_start(&ship, &o, &m, 7.65, 1);
+    assert_near(pel_ship_time(&ship, 1), 7.8, 1e-12);
+    assert_near(pel_ship_time(&ship, 3), 8.2, 1e-12);
+    pel_ship_advance(&ship, 7.66, &sea);
+    pel_ship_sea(&ship, &m, 38 * 0.2, &sea, before);
+    pel_ship_sea(&ship, &m, 39 * 0.2, &sea, after);
+    pel_ship_at(&ship, 39 * 0.2, &sea, &at);
+    pel_ship_sea(&ship, &at, 39 * 0.2, &sea, next);
+    for (int i = 0; i < 3; i++) {
+        assert_near(ship.steps[0].sea[i],
+                    before[i] + 0.25 * (after[i] - before[i]), 1e-12);
+        assert_near(ship.steps[0].sea_after[i], next[i], 1e-9);
+    }
+    /* On a multiple but for rounding, on either side of it. */
+    static const double starts_s[] = { 0.2 * 39, 0.6 + 7.2, 7.8 - 1e-15 };
+    for (int k = 0; k < 3; k++) {
+        pel_ship_start(&ship, &o, &m, starts_s[k], 1);
+        pel_ship_advance(&ship, 7.9, &sea);
+        assert_near(pel_ship_time(&ship, 1), 8, 1e-12);
+        assert_near(ship.steps[0].sea[0], after[0], 1e-12);
+    }
+    /* Of a fast clock: longer steps. */
+    pel_ship_start(&ship, &o, &m, 7.65, 8);
+    assert_near(pel_ship_time(&ship, 1), 8, 1e-12);
+    assert_near(pel_ship_time(&ship, 2), 8.4, 1e-12);
+    pel_sea_finish(&sea);
+}
+
 static void no_sea_breaks_it(void **state)
 {
     (void)state;
@@ -581,6 +620,7 @@ int main(void)
         cmocka_unit_test(long_swell_carries_it),
         cmocka_unit_test(hull_lies_on_the_surface),
         cmocka_unit_test(looked_at_at_15_and_60_hz),
+        cmocka_unit_test(the_sea_is_asked_at_multiples),
         cmocka_unit_test(no_sea_breaks_it),
         cmocka_unit_test(frame_rate_does_not_matter),
         cmocka_unit_test(the_tide_carries_the_ship),
