@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
-# Draws the gallery anew: docs/gallery/make.sh [FOLDER]. Each picture is one
-# `pelagosctl set` on a common scene and one `pelagosctl frame`; the same
-# commands are listed in README.md beside the pictures, which this writes too.
+# Draws the gallery anew: docs/gallery/make.sh [FOLDER [NAME…]], those pictures
+# alone or all. Each is one `pelagosctl set` on a common scene and one `pelagosctl
+# frame`; the same commands are listed in README.md beside the pictures, which
+# this writes too.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 out=${1:-docs/gallery}
+only=" ${*:2} "
 socket=$(mktemp -u "${TMPDIR:-/tmp}/pelagos-gallery-XXXXXX")
 mkdir -p build/gallery
 for depth in 7.9 39.9; do
@@ -131,12 +133,15 @@ mkdir -p "$out"
 } > "$out/README.md"
 for picture in "${pictures[@]}"; do
     IFS='|' read -r name title settings <<< "$picture"
-    ctl unset sea water seabed sky origin >/dev/null
-    ctl unset views.gallery >/dev/null 2>&1 || true
-    ctl unset entities.2 >/dev/null 2>&1 || true
-    # shellcheck disable=SC2086
-    ctl set --create $common $settings
-    ctl frame gallery "$out/$name.jpg"
+    if [ "$only" = "  " ] || [[ $only == *" $name "* ]]; then
+        ctl unset sea water seabed sky origin >/dev/null
+        ctl unset views.gallery >/dev/null 2>&1 || true
+        ctl unset entities.2 >/dev/null 2>&1 || true
+        # shellcheck disable=SC2086
+        ctl set --create $common $settings
+        ctl frame gallery "$out/$name.jpg"
+        echo "gallery: $name"
+    fi
     {
         echo
         echo "## $title"
@@ -148,5 +153,4 @@ for picture in "${pictures[@]}"; do
         echo "build/pelagosctl frame gallery $name.jpg"
         echo '```'
     } >> "$out/README.md"
-    echo "gallery: $name"
 done
