@@ -12,6 +12,15 @@ Pelagos__OwnShip *pel_helm_on(const Pelagos__State *state,
     return entity->helm && entity->helm->on ? entity->helm : NULL;
 }
 
+bool pel_helm_any(const Pelagos__State *state)
+{
+    bool any = false;
+    for (size_t i = 0; i < state->n_entities && !any; i++) {
+        any = pel_helm_on(state, state->entities[i]) != NULL;
+    }
+    return any;
+}
+
 Pelagos__OwnShip *pel_helm_of(const Pelagos__State *state, uint32_t id)
 {
     for (size_t i = 0; i < state->n_entities; i++) {

@@ -1,5 +1,5 @@
 /* Who sails which entity: `ownShip` the one that it names, `entities.*.helm`
- * the one that has it. Control thread. */
+ * the one that has it. Of the state alone: any thread that has it. */
 #pragma once
 
 #include <stdbool.h>
@@ -8,6 +8,9 @@
 #include "pelagos.pb-c.h"
 
 #define PEL_HELM_PATH 32
+
+/* Whether any is on. Of a complete state. */
+bool pel_helm_any(const Pelagos__State *state);
 
 /* The helm that is on for the entity; NULL: none. Of a complete state. */
 Pelagos__OwnShip *pel_helm_on(const Pelagos__State *state,

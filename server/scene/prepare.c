@@ -76,11 +76,8 @@ enum pel_err pel_resources_get(const Pelagos__State *state,
 static void prepare_ships(const Pelagos__State *state,
                           const struct pel_sea *sea)
 {
-    bool any = false;
-    for (size_t i = 0; i < state->n_entities && !any; i++) {
-        any = pel_helm_on(state, state->entities[i]) != NULL;
-    }
-    if (any && state->clock->mode == PELAGOS__CLOCK_MODE__FREE) {
+    if (pel_helm_any(state) &&
+        state->clock->mode == PELAGOS__CLOCK_MODE__FREE) {
         pel_ships_hold_sea(sea, state->clock->time,
                            pel_ship_step_s(state->clock->rate));
     }

@@ -7,6 +7,7 @@
 #include "message.h"
 #include "scene/check.h"
 #include "scene/edit.h"
+#include "scene/helm.h"
 #include "scene/scene_parts.h"
 
 #define MAX_WAITING 256
@@ -200,6 +201,16 @@ static void prepared(void *user, struct pel_preparation *ready)
     pel_scene_go_on(scene, dropped);
 }
 
+/* Whether it puts a ship to sea where none is: moments of it are computed
+ * before. */
+static bool puts_to_sea(const struct pel_scene *scene,
+                        const Pelagos__State *next)
+{
+    return scene->snapshot->ship_count == 0 &&
+           next->clock->mode == PELAGOS__CLOCK_MODE__FREE &&
+           pel_snapshot_transforms(scene->snapshot) && pel_helm_any(next);
+}
+
 /* Adds it to those that wait; false: there are too many. */
 static bool wait_for(struct pel_scene *scene, const struct pel_scene_wish *wish,
                      pel_scene_done done, void *user)
@@ -236,7 +247,8 @@ static bool submit(struct pel_scene *scene, const struct pel_scene_wish *wish,
         err = pel_scene_edited(scene, wish->patch, time_s, &next, &fault);
     }
     if (!err && !behind &&
-        (at_once || pel_resources_fits(&scene->has, next, &scene->means))) {
+        (at_once || (pel_resources_fits(&scene->has, next, &scene->means) &&
+                     !puts_to_sea(scene, next)))) {
         err = pel_scene_commit(scene, next, wish->patch, NULL, time_s, now_ns,
                                &fault);
         if (!err) {
