@@ -56,13 +56,6 @@ static void send_bytes(struct session *self, uint8_t *data, size_t size)
     pel_outbox_add(&self->out, data, size);
 }
 
-static void send_reply(struct session *self, Pelagos__Reply *reply)
-{
-    size_t size = 0;
-    uint8_t *data = pel_wire_pack(&reply->base, &size);
-    send_bytes(self, data, size);
-}
-
 void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
                             const struct pel_fault *fault)
 {
@@ -72,25 +65,32 @@ void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
     send_bytes(self, data, size);
 }
 
-void pel_session_send_state(struct session *self, bool has_id, uint64_t id)
+/* A reply that is a message of its own, of that case. */
+static void send_message(struct session *self, bool has_id, uint64_t id,
+                         Pelagos__Reply__ResultCase which, const void *message)
 {
     Pelagos__Reply reply = PELAGOS__REPLY__INIT;
     reply.has_id = has_id;
     reply.id = id;
-    reply.result_case = PELAGOS__REPLY__RESULT_STATE;
-    reply.state = (Pelagos__State *)pel_scene_state(self->all->scene);
-    send_reply(self, &reply);
+    reply.result_case = which;
+    /* All messages that a reply may be are one union of pointers. */
+    reply.state = (Pelagos__State *)message;
+    size_t size = 0;
+    uint8_t *data = pel_wire_pack(&reply.base, &size);
+    send_bytes(self, data, size);
+}
+
+void pel_session_send_state(struct session *self, bool has_id, uint64_t id)
+{
+    send_message(self, has_id, id, PELAGOS__REPLY__RESULT_STATE,
+                 pel_scene_state(self->all->scene));
 }
 
 static void send_cluster(struct session *self, bool has_id, uint64_t id)
 {
-    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-    reply.has_id = has_id;
-    reply.id = id;
-    reply.result_case = PELAGOS__REPLY__RESULT_CLUSTER;
-    reply.cluster = pel_cluster_status(self->all->cluster);
-    send_reply(self, &reply);
-    pelagos__cluster__free_unpacked(reply.cluster, NULL);
+    Pelagos__Cluster *cluster = pel_cluster_status(self->all->cluster);
+    send_message(self, has_id, id, PELAGOS__REPLY__RESULT_CLUSTER, cluster);
+    pelagos__cluster__free_unpacked(cluster, NULL);
 }
 
 void pel_session_cluster(struct session *self, const Pelagos__Request *request)
@@ -137,6 +137,18 @@ static struct session *owed(struct job *job, enum pel_err err,
         return NULL;
     }
     return self;
+}
+
+/* Ends it by a message, of that case, where it is a good one. */
+static void send_owed(struct job *job, enum pel_err err,
+                      const struct pel_fault *fault,
+                      Pelagos__Reply__ResultCase which, const void *message)
+{
+    struct session *self = owed(job, err, fault);
+    if (self) {
+        send_message(self, job->has_id, job->id, which, message);
+    }
+    g_free(job);
 }
 
 /* It was begun, or refused at once: then it is owed no more. */
@@ -199,12 +211,8 @@ static void on_optics(void *user, enum pel_err err,
     struct session *self = job->session;
     if (job_end(job)) {
         if (err == PEL_OK) {
-            Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-            reply.has_id = job->has_id;
-            reply.id = job->id;
-            reply.result_case = PELAGOS__REPLY__RESULT_OPTICS;
-            reply.optics = (Pelagos__Optics *)answer;
-            send_reply(self, &reply);
+            send_message(self, job->has_id, job->id,
+                         PELAGOS__REPLY__RESULT_OPTICS, answer);
         } else {
             pel_session_send_fault(self, job->has_id, job->id, fault);
         }
@@ -370,27 +378,13 @@ enum pel_err pel_session_place(struct session *self,
 
 /* --- exercises ------------------------------------------------------------ */
 
-static void send_exercise(struct session *self, bool has_id, uint64_t id,
-                          Pelagos__ExerciseStatus *status)
-{
-    Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-    reply.has_id = has_id;
-    reply.id = id;
-    reply.result_case = PELAGOS__REPLY__RESULT_EXERCISE;
-    reply.exercise = status;
-    send_reply(self, &reply);
-}
-
 static void on_exercise(void *user, enum pel_err err,
                         const struct pel_fault *fault)
 {
     struct job *job = user;
-    struct session *self = owed(job, err, fault);
-    if (self) {
-        send_exercise(self, job->has_id, job->id, job->exercise);
-    }
-    pelagos__exercise_status__free_unpacked(job->exercise, NULL);
-    g_free(job);
+    Pelagos__ExerciseStatus *status = job->exercise;
+    send_owed(job, err, fault, PELAGOS__REPLY__RESULT_EXERCISE, status);
+    pelagos__exercise_status__free_unpacked(status, NULL);
 }
 
 enum pel_err pel_session_exercise(struct session *self,
@@ -415,7 +409,8 @@ enum pel_err pel_session_exercise(struct session *self,
         (void)pel_scene_await(scene, NULL, on_exercise, job);
         return PEL_OK;
     }
-    send_exercise(self, request->has_id, request->id, status);
+    send_message(self, request->has_id, request->id,
+                 PELAGOS__REPLY__RESULT_EXERCISE, status);
     pelagos__exercise_status__free_unpacked(status, NULL);
     return PEL_OK;
 }
@@ -424,17 +419,7 @@ static void on_spectrum(void *user, enum pel_err err,
                         const struct pel_fault *fault,
                         const Pelagos__Spectrum *answer)
 {
-    struct job *job = user;
-    struct session *self = owed(job, err, fault);
-    if (self) {
-        Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-        reply.has_id = job->has_id;
-        reply.id = job->id;
-        reply.result_case = PELAGOS__REPLY__RESULT_SPECTRUM;
-        reply.spectrum = (Pelagos__Spectrum *)answer;
-        send_reply(self, &reply);
-    }
-    g_free(job);
+    send_owed(user, err, fault, PELAGOS__REPLY__RESULT_SPECTRUM, answer);
 }
 
 enum pel_err pel_session_spectrum(struct session *self,
@@ -451,17 +436,7 @@ static void on_models(void *user, enum pel_err err,
                       const struct pel_fault *fault,
                       const Pelagos__Models *answer)
 {
-    struct job *job = user;
-    struct session *self = owed(job, err, fault);
-    if (self) {
-        Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-        reply.has_id = job->has_id;
-        reply.id = job->id;
-        reply.result_case = PELAGOS__REPLY__RESULT_MODELS;
-        reply.models = (Pelagos__Models *)answer;
-        send_reply(self, &reply);
-    }
-    g_free(job);
+    send_owed(user, err, fault, PELAGOS__REPLY__RESULT_MODELS, answer);
 }
 
 enum pel_err pel_session_models(struct session *self,
@@ -521,17 +496,7 @@ static void on_almanac(void *user, enum pel_err err,
                        const struct pel_fault *fault,
                        const Pelagos__Almanac *answer)
 {
-    struct job *job = user;
-    struct session *self = owed(job, err, fault);
-    if (self) {
-        Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-        reply.has_id = job->has_id;
-        reply.id = job->id;
-        reply.result_case = PELAGOS__REPLY__RESULT_ALMANAC;
-        reply.almanac = (Pelagos__Almanac *)answer;
-        send_reply(self, &reply);
-    }
-    g_free(job);
+    send_owed(user, err, fault, PELAGOS__REPLY__RESULT_ALMANAC, answer);
 }
 
 enum pel_err pel_session_almanac(struct session *self,
@@ -552,17 +517,7 @@ static void on_recordings(void *user, enum pel_err err,
                           const struct pel_fault *fault,
                           const Pelagos__Recordings *answer)
 {
-    struct job *job = user;
-    struct session *self = owed(job, err, fault);
-    if (self) {
-        Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-        reply.has_id = job->has_id;
-        reply.id = job->id;
-        reply.result_case = PELAGOS__REPLY__RESULT_RECORDINGS;
-        reply.recordings = (Pelagos__Recordings *)answer;
-        send_reply(self, &reply);
-    }
-    g_free(job);
+    send_owed(user, err, fault, PELAGOS__REPLY__RESULT_RECORDINGS, answer);
 }
 
 static enum pel_err no_debrief(struct pel_fault *fault)
@@ -600,12 +555,9 @@ enum pel_err pel_session_debrief(struct session *self,
         err = pel_debrief_do(debrief, request->debrief, fault);
     }
     if (!err) {
-        Pelagos__Reply reply = PELAGOS__REPLY__INIT;
-        reply.has_id = request->has_id;
-        reply.id = request->id;
-        reply.result_case = PELAGOS__REPLY__RESULT_DEBRIEF;
-        reply.debrief = (Pelagos__Debrief *)pel_debrief_status(debrief);
-        send_reply(self, &reply);
+        send_message(self, request->has_id, request->id,
+                     PELAGOS__REPLY__RESULT_DEBRIEF,
+                     pel_debrief_status(debrief));
     }
     return err;
 }
