@@ -270,7 +270,8 @@ class Run:
             self.faults.append("the daemon has ended")
             return None
         got = rest(self.daemon)
-        line("rest", got)
+        programs = self.daemon.metrics()["pelagos_render_programs"]
+        line("rest", got, f", {programs:.0f} programs of the device")
         return got
 
 
