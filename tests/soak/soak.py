@@ -32,8 +32,9 @@ WARM_UP_S = min(600.0, SECONDS / 3)
 VIEWERS, STALLED = 12, 4
 # After ten minutes; a shorter load is still learning what it needs.
 MOST_GROWTH = (8 if WARM_UP_S >= 600 else 64) << 20
-# Longer than what nobody asks for is kept.
-REST_S = 15
+# Longer than what nobody asks for is kept, of programs PEL_PROGRAM_IDLE_S: there
+# are as many beyond 32 as two minutes have needed, 1.7 MB each.
+REST_S = 130
 # Two cores draw, encode and run all clients; nobody waits for a picture here.
 SLOWEST_HEALTHZ_S = 0.25
 
