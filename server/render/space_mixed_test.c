@@ -151,7 +151,7 @@ static void rise(const char *what, const struct pel_environment *env,
 {
     struct pel_picture *before = NULL;
     double worst = 0, ev = 0;
-    for (double h = 19800; h < 31000; h *= 1.01) {
+    for (double h = 19800; h < 31000; h *= 1.005) {
         struct pel_picture *now = draw_behind(env, h, behind_m);
         for (int y = 0; before && y < HEIGHT / 8; y++) {
             worst = fmax(worst, fabs(shown(now, y) - shown(before, y)));
@@ -163,10 +163,12 @@ static void rise(const char *what, const struct pel_environment *env,
         before = now;
     }
     pel_picture_release(before);
-    print_message("%s, each hundredth of height from 20 to 30 km: bands of 8 "
+    print_message("%s, each 1/200 of height from 20 to 30 km: bands of 8 "
                   "rows by %.2f of 255, EV by %.3f\n",
                   what, worst, ev);
-    assert_true(worst < 3.0 && ev < 0.03);
+    /* Clouds that come into a band and leave it: 2.1, and 3.3 by steps twice as
+     * long, which would not change a jump. */
+    assert_true(worst < 2.5 && ev < 0.02);
 }
 
 static void nothing_jumps(void **state)
