@@ -335,8 +335,8 @@ const struct pel_option pel_developer_table[] = {
       .help = "Pretends that a device so lost cannot be had again." },
     { "PELAGOS_EXERCISE_STRAY", "developer", PEL_OPTION_INT, "FRAME", "0", 0,
       1000000000, "", .offset = FIELD(exercise_stray),
-      .help = "Makes this node's state another one before this frame of an "
-              "exercise, once; 0: never." },
+      .help = "Makes this node's state another one before the first frame of "
+              "an exercise that it plays from this one on, once; 0: never." },
     { "PELAGOS_EXERCISE_CLOCK", "developer", PEL_OPTION_DOUBLE, "MS", "0",
       -10000, 10000, "ms", .offset = FIELD(exercise_clock_ms),
       .help = "Pretends that this node's clock is so much ahead of the "

@@ -154,6 +154,10 @@ class Recorded(unittest.TestCase):
                                    else "png")
         return last
 
+    def await_both(self, a, b):
+        until("both take part", lambda: (a.is_master() and b.follows()) or (
+            b.is_master() and a.follows()))
+
     def begin_two(self):
         """The first begins the exercise with its file, the other's is set
         aside."""
@@ -272,17 +276,25 @@ class Recorded(unittest.TestCase):
         self.sail(6, a, b)
         answer = b.request("POST", "/v1/recording", {"start": "late"})
         self.assertEqual(answer.status, 409, answer)  # --record has it
-        last = self.sail(9, a, b)
-        killed = self.master(a, b)
-        other = b if killed is a else a
-        with self.etcd_stands(2.2):
-            answers = self.never_sealed(killed)
-            time.sleep(1.5)  # its file has what is sealed
-            moment = float(killed.get("/v1/views/bridge/frame.png").headers[
-                "X-Pelagos-Time"])
-            killed.process.kill()
-            killed.process.wait()
-        self.assertEqual(answers, [])
+        for _ in range(5):
+            last = self.sail(9, a, b)
+            killed = self.master(a, b)
+            other = b if killed is a else a
+            with self.etcd_stands(2.2):
+                answers = self.never_sealed(killed)
+                time.sleep(1.5)  # its file has what is sealed
+                moment = float(killed.get("/v1/views/bridge/frame.png").headers[
+                    "X-Pelagos-Time"])
+                in_time = not answers
+                if in_time:
+                    killed.process.kill()
+                    killed.process.wait()
+            if in_time:
+                break
+            # On a machine that is starved it may have given up by then.
+            self.assertEqual(answers[0].status, 409, answers[0])
+            self.await_both(a, b)
+        self.assertTrue(in_time, answers)
         until("the other takes over", other.is_master)
         self.check_state(self.path(killed.name + ".json"), last, moment)
         self.sail(12, other)
@@ -318,8 +330,7 @@ class Recorded(unittest.TestCase):
             answers = self.never_sealed(self.master(a, b))
             until("the client is told", lambda: answers)
         self.assertEqual(answers[0].status, 409, answers[0])
-        until("both take part", lambda: (a.is_master() and b.follows()) or (
-            b.is_master() and a.follows()))
+        self.await_both(a, b)
         self.sail(14, a, b)
         self.assertNotEqual(self.master(a, b).state()["sea"]["windSpeed"],
                             NEVER["sea"]["windSpeed"])

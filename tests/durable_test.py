@@ -328,24 +328,35 @@ class Durable(unittest.TestCase):
         clip = os.path.join(self.folder.name, "clip.mkv")
         command = [os.path.join(BIN, "pelagosctl"), "record", "bridge", clip,
                    "--seconds", "60", "--width", "320", "--height", "180"]
+
+        @contextlib.contextmanager
+        def recorder():
+            """Runs until it has written something."""
+            ctl = subprocess.Popen(command, stderr=subprocess.PIPE)
+            until("it writes or ends", lambda: ctl.poll() is not None or (
+                os.path.exists(clip) and os.path.getsize(clip) > 0))
+            try:
+                self.assertIsNone(ctl.poll(), ctl.poll() is not None and
+                                  ctl.stderr.read())
+                yield ctl
+            finally:
+                ctl.kill()
+                ctl.communicate()
+
         with Daemon(unix=True) as daemon:
             command[1:1] = ["--server", "unix:" + daemon.unix_path]
             with disk_that_fills(self.folder.name) as full:
-                ctl = subprocess.Popen(command, stderr=subprocess.PIPE)
-                until("it writes", lambda: os.path.exists(clip)
-                      and os.path.getsize(clip) > 0)
-                open(full, "w").close()
-                said = ctl.communicate(timeout=SLOW_S)[1].decode()
-                self.assertEqual(ctl.returncode, 1, said)
-                self.assertIn("clip.mkv", said)
+                with recorder() as ctl:
+                    open(full, "w").close()
+                    said = ctl.communicate(timeout=SLOW_S)[1].decode()
+                    self.assertEqual(ctl.returncode, 1, said)
+                    self.assertIn("clip.mkv", said)
                 os.unlink(full)
                 os.unlink(clip)
                 # And a signal ends it whatever it does.
-                ctl = subprocess.Popen(command, stderr=subprocess.PIPE)
-                until("it writes", lambda: os.path.exists(clip)
-                      and os.path.getsize(clip) > 0)
-                ctl.terminate()
-                self.assertEqual(ctl.wait(SLOW_S), 0)
+                with recorder() as ctl:
+                    ctl.terminate()
+                    self.assertEqual(ctl.wait(SLOW_S), 0)
 
 
 if __name__ == "__main__":

@@ -99,8 +99,27 @@ test("one that comes late is shown at once, one without a time too", () => {
   held.take(1e12 + now + 5000, { n: 2 }); // a clock that is wrong
   refresh();
   assert.deepEqual(shown, [1, 2]);
-  assert.deepEqual([heldMs(-1), heldMs(100), heldMs(1001), heldMs(NaN)],
-    [0, 100, 0, 0]);
+  assert.deepEqual([heldMs(-1), heldMs(100), heldMs(2000), heldMs(2501),
+    heldMs(NaN)], [0, 100, 2000, 0, 0]);
+});
+
+test("a long delay makes fewer pictures, each at its time", () => {
+  const begun = now;
+  const shown = [];
+  const held = new Held(clockOf(0), (one) => shown.push({ ...one, at: now }));
+  for (let n = 0; n < 300; n++) { // 30 a second, 1.8 s before their time
+    now = begun + n * 2 * REFRESH_MS;
+    held.take(1e12 + now + 1800, { due: now + 1800, close: () => {} });
+    refresh();
+    now += REFRESH_MS;
+    refresh();
+  }
+  const gaps = shown.slice(1).map(({ at }, i) => at - shown[i].at);
+  assert.ok(shown.every(({ at, due }) => Math.abs(at - due) < REFRESH_MS));
+  assert.ok(Math.max(...gaps) < 300, String(gaps));
+  assert.ok(shown.length > 40, `${shown.length} in 8.2 s`);
+  console.log(`${shown.length} pictures in 8.2 s, ` +
+    `${Math.max(...gaps).toFixed(0)} ms apart at most`);
 });
 
 test("a page that draws nothing keeps sixteen, and closes all at its end", () => {

@@ -79,7 +79,7 @@ static int start_pipeline(struct clip *clip, const char *path,
 {
     g_autofree char *text =
         g_strdup_printf("appsrc name=source format=time ! %s ! "
-                        "filesink name=sink",
+                        "filesink name=sink buffer-mode=unbuffered",
                         chain);
     g_autoptr(GError) error = NULL;
     clip->pipeline = gst_parse_launch(text, &error);

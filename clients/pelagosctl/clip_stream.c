@@ -92,7 +92,8 @@ static bool build(struct recorder *r, char **why)
     g_autoptr(GError) error = NULL;
     g_autofree char *text = g_strdup_printf(
         "souphttpsrc name=source timeout=15 retries=0 ! tsdemux ! "
-        "h264parse name=parse ! %s ! filesink name=sink",
+        "h264parse name=parse ! %s ! "
+        "filesink name=sink buffer-mode=unbuffered",
         mkv ? "matroskamux" : "mp4mux faststart=true");
     r->pipeline = gst_parse_launch(text, &error);
     if (!r->pipeline) {

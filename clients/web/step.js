@@ -3,7 +3,9 @@
 
 const ANSWERS = 12; // a minute of them
 const MOST = 16; // decoded pictures that wait
-const LONGEST_MS = 1000; // who is to wait longer has a wrong time
+// The daemon's longest delay, and some for clocks: who is to wait longer has a
+// wrong time.
+const LONGEST_MS = 2500;
 const EARLY_MS = 8; // half a refresh: what is drawn now is seen by then
 
 export const unixMs = () => performance.timeOrigin + performance.now();
@@ -54,9 +56,21 @@ export class Held {
     const nowMs = this.clock.nowMs;
     this.waiting.push({ presentMs: nowMs + heldMs(presentMs - nowMs), one });
     if (this.waiting.length > MOST) {
-      this.waiting.shift().one.close(); // a hidden page draws none
+      this.thin(); // the delay is long, or the page hidden: it draws none
     }
     this.asked ??= requestAnimationFrame(() => this.refresh());
+  }
+
+  // The one goes that leaves the shortest gap, so that the others are still
+  // shown at their time, and evenly.
+  thin() {
+    const gap = (i) =>
+      this.waiting[i + 1].presentMs - this.waiting[i - 1].presentMs;
+    let least = 1;
+    for (let i = 2; i + 1 < this.waiting.length; i++) {
+      least = gap(i) < gap(least) ? i : least;
+    }
+    this.waiting.splice(least, 1)[0].one.close();
   }
 
   // Shows the last that is due.

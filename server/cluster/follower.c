@@ -225,7 +225,7 @@ static void follow(struct pel_cluster *c, uint64_t number,
         pel_cluster_join(c);
         return;
     }
-    if (c->options.stray == number && !c->strayed) {
+    if (c->options.stray > 0 && number >= c->options.stray && !c->strayed) {
         stray(c);
     }
     if (!play(c, frame, digest, &fault)) {

@@ -194,7 +194,8 @@ int64_t pel_cluster_slowest_ns(const struct pel_cluster *c)
     for (guint i = 0; i < c->nodes->len; i++) {
         const struct pel_cluster_node *node = g_ptr_array_index(c->nodes, i);
         if (!is_silent(node, now_ns)) {
-            most_ms = fmax(most_ms, fmin(node->said->delay, 2000));
+            most_ms =
+                fmax(most_ms, fmin(node->said->delay, PEL_PRESENT_MOST_MS));
         }
     }
     return (int64_t)(most_ms * 1e6);

@@ -1,3 +1,4 @@
+#include <math.h>
 #include <string.h>
 
 #include "base/clock.h"
@@ -725,8 +726,9 @@ static void note_ready(struct pel_frames *frames, const struct pel_frame *frame)
     if (window->count % READY_FRAMES != 0) {
         return;
     }
-    int64_t delay =
-        (int64_t)(1e6 * pel_window_rank(window, 0.98)) + DELIVERY_NS;
+    int64_t delay = (int64_t)(1e6 * fmin(pel_window_rank(window, 0.98),
+                                         PEL_PRESENT_MOST_MS)) +
+                    DELIVERY_NS;
     int64_t least = frames->present_delay_ns - frames->present_delay_ns / 16;
     bool anew = window->count == READY_FRAMES;
     frames->present_delay_ns = anew || delay > least ? delay : least;
