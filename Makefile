@@ -136,7 +136,7 @@ WEATHER_READER := $(call room,server/weather/reader) server/seabed/reader/gdal.c
 DAEMON := server/main.c server/service.c
 # What makes tables of the server while it is built, and which (pel_NAME).
 MAKER := server/tables.c
-MADE := clear_air foam_grain
+MADE := clear_air foam_grain colour_suns
 OPTIONS := $(filter-out $(DAEMON) $(MAKER),$(call room,server))
 CLIENT := $(call room,clients/lib)
 CTL := $(call room,clients/pelagosctl)

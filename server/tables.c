@@ -1,12 +1,13 @@
 /* tables NAME FILE: writes a table of the program, as it is in memory, while
  * the server is built: clear_air (optics/clearair.h), foam_grain
- * (ocean/foam.h). */
+ * (ocean/foam.h), colour_suns (optics/coloursuns.h). */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "ocean/foam.h"
 #include "optics/clearair.h"
+#include "optics/coloursuns.h"
 #include "pelagos.pb-c.h"
 
 static bool write_table(const char *name, const void *table, size_t size)
@@ -43,12 +44,27 @@ static bool foam_grain(const char *name)
     return pel_foam_grain_make(grain) && write_table(name, grain, sizeof grain);
 }
 
+static bool colour_suns(const char *name)
+{
+    struct pel_colour_suns suns;
+    pel_colour_suns_make(&suns);
+    return write_table(name, &suns, sizeof suns);
+}
+
 int main(int argc, char **argv)
 {
-    bool whole =
-        argc == 3 && (strcmp(argv[1], "clear_air") == 0    ? clear_air(argv[2])
-                      : strcmp(argv[1], "foam_grain") == 0 ? foam_grain(argv[2])
-                                                           : false);
+    static const struct {
+        const char *name;
+        bool (*write)(const char *file);
+    } tables[] = { { "clear_air", clear_air },
+                   { "foam_grain", foam_grain },
+                   { "colour_suns", colour_suns } };
+    bool whole = false;
+    for (size_t i = 0; argc == 3 && i < sizeof tables / sizeof tables[0]; i++) {
+        if (strcmp(argv[1], tables[i].name) == 0) {
+            whole = tables[i].write(argv[2]);
+        }
+    }
     if (!whole) {
         fputs("tables: no table\n", stderr);
     }

@@ -10,7 +10,7 @@ import time
 from pymodbus.client import ModbusTcpClient
 
 from modbus_test import COMMIT, WIND, check, floats
-from pelagos_daemon import Daemon, free_port, until
+from pelagos_daemon import SANITIZED, Daemon, free_port, until
 
 
 def work(daemon):
@@ -89,7 +89,8 @@ def own_ship(daemon):
           "it pitches")
     print(f"  own ship: {took:.0f} steps of {seconds / 0.2:.0f} on the control "
           "thread")
-    check(took < 0.2 * seconds / 0.2, f"{took} in {seconds} s")
+    # A sanitizer's thread does not keep ahead of it.
+    check(SANITIZED or took < 0.2 * seconds / 0.2, f"{took} in {seconds} s")
 
 
 def winds_by_modbus(daemon, port):

@@ -1,92 +1,26 @@
 #include "optics/colour.h"
 
 #include <math.h>
-#include <pthread.h>
-#include <stddef.h>
 
 #include "base/vec.h"
-#include "optics/daylight.h"
-#include "optics/vision.h"
+#include "optics/coloursuns.h"
 #include "shaders/lib/blocks.h"
-
-#define LUMENS_PER_WATT 683.0
-#define RODS_LUMENS_PER_WATT 1700.0
-
-static const double wavelength_nm[3] = { 680.0, 550.0, 440.0 };
-
-static double lobe(double nm, double centre, double below, double above)
-{
-    double t = (nm - centre) / (nm < centre ? below : above);
-    return exp(-0.5 * t * t);
-}
-
-/* CIE 1931 colour matching: Wyman, Sloan and Shirley 2013, multi-lobe fit. */
-static void observer(double nm, double xyz[3])
-{
-    xyz[0] = 1.056 * lobe(nm, 599.8, 37.9, 31.0) +
-             0.362 * lobe(nm, 442.0, 16.0, 26.7) -
-             0.065 * lobe(nm, 501.1, 20.4, 26.2);
-    xyz[1] = 0.821 * lobe(nm, 568.8, 46.9, 40.5) +
-             0.286 * lobe(nm, 530.9, 16.3, 31.1);
-    xyz[2] = 1.217 * lobe(nm, 437.0, 11.8, 36.0) +
-             0.681 * lobe(nm, 459.0, 26.0, 13.8);
-}
-
-/* CIE XYZ of the three samples' shares, and the rods'. */
-static void xyz_matrix(const struct pel_daylight *light, double m[12])
-{
-    for (int c = 0; c < 12; c++) {
-        m[c] = 0;
-    }
-    for (int i = 0; i < PEL_DAYLIGHT_COUNT; i++) {
-        double nm = PEL_DAYLIGHT_FIRST_NM + PEL_DAYLIGHT_STEP_NM * i, xyz[3];
-        observer(nm, xyz);
-        for (int s = 0; s < 3; s++) {
-            double p = pow(wavelength_nm[(s + 1) % 3], -2),
-                   q = pow(wavelength_nm[(s + 2) % 3], -2),
-                   at = pow(wavelength_nm[s], -2), x = pow(nm, -2);
-            double share = (x - p) * (x - q) / ((at - p) * (at - q));
-            double lit =
-                PEL_DAYLIGHT_STEP_NM * light->at[i] * share / light->sample[s];
-            for (int c = 0; c < 3; c++) {
-                m[3 * c + s] += LUMENS_PER_WATT * lit * xyz[c];
-            }
-            m[9 + s] += RODS_LUMENS_PER_WATT * lit * pel_vision_rods(nm);
-        }
-    }
-}
-
-/* By the Sun's elevation, deg. */
-static const double elevation[] = {
-    -9, -8, -7, -6, -5,   -4, -3, -2, -1, 0,  1,
-    2,  3,  5,  7,  10.0, 15, 20, 28, 40, 60, 90
-};
-#define ELEVATIONS (sizeof elevation / sizeof elevation[0])
-static double matrices[ELEVATIONS][12];
-static pthread_once_t matrices_once = PTHREAD_ONCE_INIT;
-
-static void matrices_fill(void)
-{
-    for (size_t i = 0; i < ELEVATIONS; i++) {
-        struct pel_daylight light;
-        pel_daylight(sin(elevation[i] * PEL_DEG), &light);
-        xyz_matrix(&light, matrices[i]);
-    }
-}
 
 /* Rows of X, Y, Z and of the rods for a Sun. */
 static void xyz_at(double sun_sine, double m[12])
 {
-    pthread_once(&matrices_once, matrices_fill);
+    const struct pel_colour_suns *suns = &pel_colour_suns;
+    const double *elevation = suns->elevation_deg;
     double deg = asin(fmin(fmax(sun_sine, -1), 1)) / PEL_DEG;
     deg = fmax(deg, elevation[0]);
-    size_t i = 0;
-    while (i + 2 < ELEVATIONS && deg >= elevation[i + 1]) {
+    int i = 0;
+    while (i + 2 < PEL_COLOUR_SUNS && deg >= elevation[i + 1]) {
         i++;
     }
     double t = (deg - elevation[i]) / (elevation[i + 1] - elevation[i]);
     for (int c = 0; c < 12; c++) {
-        m[c] = matrices[i][c] + t * (matrices[i + 1][c] - matrices[i][c]);
+        m[c] = suns->weight[i][c] +
+               t * (suns->weight[i + 1][c] - suns->weight[i][c]);
     }
 }
 

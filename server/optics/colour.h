@@ -8,8 +8,8 @@
  * comes from a Sun of this elevation. Built from the CIE 1931 observer (Wyman,
  * Sloan, Shirley 2013 fit) with the spectrum between and beyond the three
  * samples taken as that of such a Sun's daylight (optics/daylight.h) times a
- * quadratic in λ⁻², whose terms are those of molecular scattering; found at 22
- * elevations by the first who asks, in some 20 ms, and mixed between them. Red
+ * quadratic in λ⁻², whose terms are those of molecular scattering; of 22
+ * elevations (optics/coloursuns.h), and mixed between them. Red
  * against green is within 11 % of the spectrum's own for a clear sky at any
  * time of day; docs/physics.md. */
 void pel_colour_matrix(double sun_sine, double m[9]);

@@ -2,6 +2,7 @@
 
 #include "base/near.h"
 #include "base/vec.h"
+#include "optics/coloursuns.h"
 #include "shaders/lib/blocks.h"
 
 static const struct pel_rgb sun = { 1.474, 1.850, 1.912 };
@@ -13,6 +14,15 @@ static void to_rec709(struct pel_rgb l, double out[3])
     for (int i = 0; i < 3; i++) {
         out[i] = m[3 * i] * l.r + m[3 * i + 1] * l.g + m[3 * i + 2] * l.b;
     }
+}
+
+/* What lies in the program is what the code makes. */
+static void suns_are_made_so(void **state)
+{
+    (void)state;
+    struct pel_colour_suns anew;
+    pel_colour_suns_make(&anew);
+    assert_memory_equal(&anew, &pel_colour_suns, sizeof anew);
 }
 
 /* 1.33e5 lx is the solar illuminance constant. */
@@ -157,6 +167,7 @@ static void test_glare(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(suns_are_made_so),
         cmocka_unit_test(test_sun),
         cmocka_unit_test(test_spectrum_between_samples),
         cmocka_unit_test(test_exposure),

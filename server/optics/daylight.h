@@ -18,7 +18,7 @@ struct pel_daylight {
 /* Light through every direction of the upper half and of the Sun's beam, of any
  * unit: the Sun above the air times what one scattering in air of 40 km of
  * visibility with ozone sends down. sun_sine: of the Sun's elevation; below
- * -9 deg it stays that of -9. About a millisecond. */
+ * -9 deg it stays that of -9. Some 5 ms. */
 void pel_daylight(double sun_sine, struct pel_daylight *out);
 
 /* The Sun above the air in the same steps, W m^-2 nm^-1. */

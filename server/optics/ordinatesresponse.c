@@ -264,19 +264,32 @@ static void make_moment(const struct pel_ordinates *o,
     }
 }
 
+/* How far each eigenmode is down at a depth, from above and from below. */
+struct decay {
+    double above[N_MAX], below[N_MAX];
+};
+
+static void make_decay(const struct pel_ordinates *o, double tau, double t,
+                       struct decay *out)
+{
+    for (int j = 0; j < o->n; j++) {
+        out->above[j] = exp(-o->k[j] * t);
+        out->below[j] = exp(-o->k[j] * (tau - t));
+    }
+}
+
 /* A beam's moment at scaled depth t; a, b: what decays from above and below. */
-static double moment_at(const struct pel_ordinates *o,
-                        const struct pel_ordinates_problem *p,
-                        const struct moment *m, const struct response *r,
+static double moment_at(const struct pel_ordinates *o, const struct moment *m,
+                        const struct response *r, const struct decay *d,
                         const double *a, double mu, int beam, double t)
 {
     const double *b = a + o->n;
     double sum = m->straight[beam] * exp(-t / mu) +
                  m->beam[beam] * exp(-r->rate[beam] * t);
     for (int j = 0; j < o->n; j++) {
-        double k = o->k[j], above = a[j] * exp(-k * t);
-        double below = b[j] * exp(-k * (p->tau - t));
-        sum += m->mode[j] * (m->odd ? k * (above - below) : above + below);
+        double above = a[j] * d->above[j], below = b[j] * d->below[j];
+        sum +=
+            m->mode[j] * (m->odd ? o->k[j] * (above - below) : above + below);
     }
     return sum;
 }
@@ -290,7 +303,10 @@ enum pel_err pel_ordinates_moments(struct pel_ordinates *o,
         int mode, l;
     } moments[PEL_MOMENTS] = { { 0, 0 }, { 0, 2 }, { 1, 2 }, { 2, 2 } };
     struct response *r = calloc(1, sizeof *r);
-    if (!r) {
+    struct decay *decay = calloc((size_t)count, sizeof *decay);
+    if (!r || !decay) {
+        free(r);
+        free(decay);
         return PEL_ERR_NO_MEMORY;
     }
     struct pel_ordinates_problem p = { .beam = 1.0 };
@@ -308,18 +324,23 @@ enum pel_err pel_ordinates_moments(struct pel_ordinates *o,
         }
         pel_ordinates_boundary(o, &p, p.albedo);
         pel_lu_factor(o->matrix, 2 * o->n, o->pivot);
+        for (int k = 0; k < count; k++) {
+            make_decay(o, p.tau, c * depths[k], &decay[k]);
+        }
         for (int b = 0; b < beams; b++) {
             respond_right(o, &p, p.albedo, mu[b], r, b, r->right);
             pel_lu_apply(o->matrix, 2 * o->n, o->pivot, r->right);
             for (int i = 0; i < PEL_MOMENTS * count; i++) {
                 int which = i / count, k = i % count;
                 if (moments[which].mode == p.mode) {
-                    out[i * beams + b] = moment_at(
-                        o, &p, &m[which], r, r->right, mu[b], b, c * depths[k]);
+                    out[i * beams + b] =
+                        moment_at(o, &m[which], r, &decay[k], r->right, mu[b],
+                                  b, c * depths[k]);
                 }
             }
         }
     }
+    free(decay);
     free(r);
     return PEL_OK;
 }
