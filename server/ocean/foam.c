@@ -43,7 +43,11 @@ double pel_foam_share_inverse(double p)
     double x = 0.6 * odds;
     for (int i = 0; i < 30; i++) {
         double f = x * (1.5976 + 0.070565 * x * x) - odds;
-        x -= f / (1.5976 + 3 * 0.070565 * x * x);
+        double next = x - f / (1.5976 + 3 * 0.070565 * x * x);
+        if (next == x) {
+            break;
+        }
+        x = next;
     }
     return x;
 }
