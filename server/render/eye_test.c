@@ -451,6 +451,47 @@ static void views_of_a_meter_match(void **state)
     assert_true(first > least && first <= most);
 }
 
+/* --- cameras beside an eye -------------------------------------------------
+ */
+
+/* Software devices have programs for cameras alone: they draw what those do
+ * that know of eyes, to the bit. */
+static void cameras_beside_an_eye(void **state)
+{
+    (void)state;
+    test_sea(9.0, 0.0, 1, &sea);
+    for (double sun = 20.0; sun >= -10.0; sun -= 30.0) {
+        struct pel_environment env = into_sun(sun, 40000.0);
+        struct pel_camera c = test_camera(
+            (struct test_look){ 8.0, 10.0, -5.0, 3.0, 60.0, 160, 96 });
+        c.antialiasing = true;
+        struct pel_draw draws[2] = {
+            { .camera = c, .layers = PEL_LAYER_COLOR },
+            { .camera = c, .layers = PEL_LAYER_COLOR },
+        };
+        draws[1].camera.vision = PEL_VISION_EYE;
+        pel_renderer_destroy(renderer);
+        renderer = test_renderer(NULL); /* that has seen no eye */
+        struct pel_picture *alone =
+            test_draw(renderer, &env, &c, PEL_LAYER_COLOR);
+        const size_t size = (size_t)4 * c.width * c.height;
+        uint8_t *rgba = malloc(size);
+        memcpy(rgba, alone->rgba, size);
+        pel_picture_release(alone);
+        assert_int_equal(pel_renderer_submit(renderer, &env, draws, 2), PEL_OK);
+        for (int i = 0; i < 2; i++) {
+            struct pel_picture *p = pel_renderer_collect(renderer, 60000000000);
+            assert_non_null(p);
+            /* By day an eye sees what a camera does. */
+            assert_int_equal(memcmp(p->rgba, rgba, size) == 0,
+                             i == 0 || sun > 0.0);
+            pel_picture_release(p);
+        }
+        free(rgba);
+    }
+    pel_sea_finish(&sea);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -462,6 +503,7 @@ int main(void)
         cmocka_unit_test(an_eye_is_the_reference),
         cmocka_unit_test(late_dusk_is_dark),
         cmocka_unit_test(views_of_a_meter_match),
+        cmocka_unit_test(cameras_beside_an_eye),
     };
     return cmocka_run_group_tests(tests, begin_renderer, end_renderer);
 }

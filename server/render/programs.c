@@ -44,6 +44,11 @@ const char *pel_shading_defines(enum pel_shading kind)
     return kind_defines[kind];
 }
 
+const char *pel_cameras_define(enum pel_programs_light light)
+{
+    return light >= PEL_LIGHT_CAMERAS ? "#define PEL_CAMERAS\n" : "";
+}
+
 const char *pel_light_defines(enum pel_programs_light light)
 {
     static const char *const lit[PEL_LIGHT_NIGHT] = {
@@ -56,13 +61,14 @@ const char *pel_light_defines(enum pel_programs_light light)
     static char texts[PEL_LIGHT_KINDS][PEL_LIGHT_TEXT];
     static bool made[PEL_LIGHT_KINDS]; /* others read them from then on */
     static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-    const int fog = light / PEL_LIGHT_FOGGED;
+    const int fog = light / PEL_LIGHT_FOGGED % PEL_FOG_KINDS;
     char *text = texts[light];
     pthread_mutex_lock(&lock); /* of several renderers */
     if (!made[light]) {
         made[light] = true;
         int n = snprintf(
-            text, PEL_LIGHT_TEXT, "%s%s%s", lit[light % PEL_LIGHT_NIGHT],
+            text, PEL_LIGHT_TEXT, "%s%s%s%s", pel_cameras_define(light),
+            lit[light % PEL_LIGHT_NIGHT],
             looks[light % PEL_LIGHT_CLOUDED / PEL_LIGHT_NIGHT],
             light / PEL_LIGHT_CLOUDED % 2 ? "#define PEL_CLOUDS\n" : "");
         if (fog) {

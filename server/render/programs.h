@@ -35,7 +35,7 @@ enum pel_objects_known {
 #define PEL_FOG_KINDS (2 * (PEL_FOGS + 1) * (PEL_FOGS + 1))
 
 /* By what the lights of a picture are: how many give light, whether the disc
- * of one that gives none may be seen. */
+ * of one that gives none may be seen; and by who sees it. */
 enum pel_programs_light {
     PEL_LIGHT_ONE, /* as by day */
     PEL_LIGHT_ONE_AND_DISC,
@@ -45,7 +45,11 @@ enum pel_programs_light {
     PEL_LIGHT_CLOUDED = 3 * PEL_LIGHT_NIGHT,  /* added to those: with clouds */
     /* Times the kind of fog added to those. */
     PEL_LIGHT_FOGGED = 2 * PEL_LIGHT_CLOUDED,
-    PEL_LIGHT_KINDS = PEL_FOG_KINDS * PEL_LIGHT_FOGGED
+    /* Added to all: of views none of which is an eye's or a sensor's. Software
+     * devices compute both sides of a branch, and what an eye sees by night is
+     * a tenth of a picture by day. */
+    PEL_LIGHT_CAMERAS = PEL_FOG_KINDS * PEL_LIGHT_FOGGED,
+    PEL_LIGHT_KINDS = 2 * PEL_LIGHT_CAMERAS
 };
 
 /* How the sky is come by. */
@@ -142,7 +146,7 @@ int pel_light_program(const struct pel_environment *env);
 const char *pel_light_program_defines(const struct pel_environment *env);
 
 /* What all shaders define by the lights, shorter than PEL_LIGHT_TEXT. */
-#define PEL_LIGHT_TEXT 160
+#define PEL_LIGHT_TEXT 192
 const char *pel_light_defines(enum pel_programs_light light);
 
 /* What programs that place the sea's surface define, and those that show its
@@ -155,6 +159,9 @@ const char *pel_programs_foam(const struct pel_sea *sea);
 
 /* What the shaders of this kind define. */
 const char *pel_shading_defines(enum pel_shading kind);
+
+/* What those define that tone, where only cameras see. */
+const char *pel_cameras_define(enum pel_programs_light light);
 
 /* Makes the programs that this sea wants for a picture; `coast`: also those
  * over a height field, `objects`: those of tiles with objects. Where compute

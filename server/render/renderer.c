@@ -3,6 +3,7 @@
 #include <epoxy/gl.h>
 #include <stdlib.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "render/acuity.h"
 #include "render/arena.h"
@@ -242,14 +243,15 @@ static void bind_frame(struct pel_renderer *r,
 
 /* Fragments without a coast draw discs by programs of their own. */
 static enum pel_programs_light light_of(const struct pel_renderer *r,
-                                        const struct pel_environment *env)
+                                        const struct pel_environment *env,
+                                        bool cameras)
 {
     bool with_sea = r->programs.compute || env->seabed;
     int night = !with_sea       ? 0
                 : env->panorama ? PEL_LIGHT_PANORAMA
                 : env->night.on ? PEL_LIGHT_NIGHT
                                 : 0;
-    return pel_light_veils(env) + night +
+    return pel_light_veils(env) + night + (cameras ? PEL_LIGHT_CAMERAS : 0) +
            (env->lit > 1                 ? PEL_LIGHT_TWO
             : env->discs > 1 && with_sea ? PEL_LIGHT_ONE_AND_DISC
                                          : PEL_LIGHT_ONE);
@@ -411,6 +413,24 @@ static enum pel_err need_view(struct pel_renderer *r,
                : err;
 }
 
+#define EYES_NS 30000000000LL
+
+/* Whether all views are cameras', and were for a while: who looks now and then
+ * as an eye does not have programs made anew each time. */
+static bool only_cameras(struct pel_renderer *r, const struct pel_draw *draws,
+                         size_t count)
+{
+    int64_t now_ns = pel_now_ns();
+    for (size_t i = 0; i < count; i++) {
+        const struct pel_camera *c = &draws[i].camera;
+        if (c->vision != PEL_VISION_CAMERA ||
+            c->sensor.kind != PEL_SENSOR_NONE) {
+            r->eyes_until_ns = now_ns + EYES_NS;
+        }
+    }
+    return r->programs.software && now_ns >= r->eyes_until_ns;
+}
+
 static enum pel_err need_programs(struct pel_renderer *r,
                                   const struct pel_environment *env,
                                   const struct pel_draw *draws, size_t count)
@@ -421,8 +441,8 @@ static enum pel_err need_programs(struct pel_renderer *r,
     r->programs.wash = env->wash != NULL;
     r->programs.lamps = env->lamp_count > 0;
     r->programs.storm = env->storm;
-    enum pel_err err =
-        pel_programs_take_light(&r->programs, light_of(r, env), &fault);
+    enum pel_err err = pel_programs_take_light(
+        &r->programs, light_of(r, env, only_cameras(r, draws, count)), &fault);
     if (err == PEL_OK) {
         err = need_light(r, env, &fault);
     }

@@ -67,6 +67,7 @@ struct pel_renderer {
     int vertex_capacity;
     struct pel_sea_texels tables;
     struct pel_programs programs;
+    int64_t eyes_until_ns; /* programs for eyes and sensors too */
     struct pel_meter meter;
     struct pel_together together;
     struct pel_ycbcr_pass ycbcr;

@@ -106,7 +106,8 @@ static void defines_of(const struct pel_environment *env,
     const bool shades = part >= SCENE;
     char surface[PEL_SURFACE_TEXT];
     pel_programs_surface(p, env->sea, surface);
-    snprintf(out, 512, "%s%s%s%s%s%s%s%s", surface, of[part],
+    snprintf(out, 512, "%s%s%s%s%s%s%s%s%s", surface, of[part],
+             shades ? pel_cameras_define(p->light) : "",
              part >= LAMPS && pel_lamp_glow_any_below(env)
                  ? "#define PEL_LAMPS_BELOW\n"
                  : "",

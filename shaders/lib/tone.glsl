@@ -60,6 +60,7 @@ float noise(uvec2 p)
     return float(x >> 8u) / 16777216.0;
 }
 
+#ifndef PEL_CAMERAS // of views none of which is an eye's or a sensor's
 // What a sensor shows of the eye's colour; p: the place on the lattice.
 vec3 sensed(vec3 encoded, uvec2 p)
 {
@@ -74,6 +75,7 @@ vec3 sensed(vec3 encoded, uvec2 p)
     float grey = dot(encoded, vec3(0.2126, 0.7152, 0.0722));
     return vec3(clamp(grey * sensor.y + sensor.z + grain * sensor.w, 0.0, 1.0));
 }
+#endif
 
 #if defined(PEL_LAMPS) && !defined(PEL_LAMPS_ADDED)
 layout(binding = PEL_UNIT_LAMP_LIGHT) uniform sampler2D lamp_light; // of lamps themselves (lamp.frag)
@@ -88,17 +90,23 @@ vec3 display(vec3 light, ivec2 at)
     vec3 ray = pixel_ray(lattice(at));
     light = with_glare(light, ray / sqrt(dot(ray, ray)));
     vec3 linear = vec3(dot(red.rgb, light), dot(green.rgb, light), dot(blue.rgb, light));
+#ifndef PEL_CAMERAS
     if (rods.w > 0.5) {
         linear = eye_seen(linear, dot(rods.rgb, light));
     }
+#endif
     linear = clamp(linear * exposing.rgb, 0.0, 1e6);
     vec3 encoded = srgb(sensor_seed.w == float(PEL_TONE_LINEAR) ? min(linear, 1.0) : filmic(linear));
     uvec2 place = uvec2(ivec2(floor(pixel.zw)) + at + 65536);
+    float grain = (noise(place) - 0.5) / 255.0;
+#ifndef PEL_CAMERAS
     if (sensor.x > 0.5) {
         encoded = sensed(encoded, place);
     }
     // Black is black.
-    return encoded + (sensor.x == float(PEL_SHADER_SENSOR_OFF) ? 0.0 : (noise(place) - 0.5) / 255.0);
+    grain = sensor.x == float(PEL_SHADER_SENSOR_OFF) ? 0.0 : grain;
+#endif
+    return encoded + grain;
 }
 
 // As it lies in memory. What drivers make of other colours in an image may be off
