@@ -104,10 +104,11 @@ class Quality(unittest.TestCase):
         thread = threading.Thread(target=speak)
         thread.start()
         try:
-            until("it is the slow one's", lambda: self.sealed() == 0.5)
+            # Or less, where these two are slower still.
+            until("it is the slow one's", lambda: self.sealed() <= 0.5)
             of_a, of_b = self.watch(a, b)
             self.assertTrue(of_a == of_b)
-            self.assertEqual({scale for scale, _ in of_a.values()}, {0.5})
+            self.assertLessEqual(max(s for s, _ in of_a.values()), 0.5)
         finally:
             end.set()
             thread.join()

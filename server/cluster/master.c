@@ -5,12 +5,12 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "cluster/cluster_parts.h"
+#include "frames/present.h"
 #include "message.h"
 #include "scene/led.h"
 
 #define HEAD_NS 10000000000LL   /* from one whole state to the next */
 #define GIVE_UP_NS 3000000000LL /* then what was not sealed is undone */
-#define DELIVERY_NS 40000000LL  /* what networks and decoders may take */
 
 Pelagos__ClusterHead *pel_cluster_head(struct pel_cluster *c, uint64_t number,
                                        const Pelagos__State *state)
@@ -133,7 +133,8 @@ static void begin_frame(struct pel_cluster *c, Pelagos__Seal *seal)
     c->pending.snapshot = pel_scene_snapshot_at(c->scene, time_s);
     uint64_t made = (uint64_t)pel_cluster_unix_ns(c);
     c->pending.present_unix_ns =
-        made + (uint64_t)(pel_cluster_slowest_ns(c) + DELIVERY_NS);
+        made + (uint64_t)(pel_cluster_slowest_ns(c) +
+                          (int64_t)(PEL_DELIVERY_MS * 1e6));
     seal->has_number = seal->has_time = seal->has_made = true;
     seal->has_present = seal->has_digest = seal->has_term = true;
     seal->has_host_frame = seal->has_anew = true;

@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "bounds.h"
 #include "cluster/cluster_parts.h"
+#include "frames/present.h"
 #include "frames/quality.h"
 #include "message.h"
 
@@ -21,8 +22,6 @@
 #define MISSED_BEATS 6
 #define SUSPECT_NS 400000000LL
 #define STEADY_NS 5000000000LL
-/* What pel_frames_stats.present_delay_ms has for delivery. */
-#define DELIVERY_MS 40.0
 
 static bool is_silent(const struct pel_cluster_node *node, int64_t now_ns)
 {
@@ -240,7 +239,7 @@ static double delay_ms(const struct pel_cluster *c,
                        const struct pel_frames_stats *stats)
 {
     double way_ms = isfinite(c->quickest_ms) ? fmax(c->quickest_ms, 0) : 0;
-    return fmax(stats->present_delay_ms - DELIVERY_MS, 0) + way_ms;
+    return fmax(stats->present_delay_ms - PEL_DELIVERY_MS, 0) + way_ms;
 }
 
 /* Whether live views are drawn here at another scale than the seals say. */

@@ -10,6 +10,7 @@
 #include "frames/job.h"
 #include "frames/mailbox.h"
 #include "frames/prefetch.h"
+#include "frames/present.h"
 #include "frames/quality.h"
 #include "frames/surface_pool.h"
 
@@ -23,7 +24,6 @@
 #define PEL_MAX_OPTICS_QUERIES PEL_BOUND_OPTICS_QUERIES
 #define PEL_MAX_SURFACE_POINTS PEL_BOUND_SURFACE_POINTS
 #define PEL_MAX_SHOWN 64
-#define PEL_STATS_WINDOW 256
 #define PEL_MOMENTS 16
 
 struct pel_frame_set; /* requests that are of one frame */
@@ -81,12 +81,6 @@ struct pel_shown {
     double time_s;
 };
 
-/* The last PEL_STATS_WINDOW values. */
-struct pel_window {
-    float values[PEL_STATS_WINDOW];
-    uint64_t count;
-};
-
 /* What a frame shows is a function of these. */
 struct pel_moment {
     uint64_t number; /* 0: none */
@@ -111,8 +105,7 @@ struct pel_frames {
     struct pel_moment moments[PEL_MOMENTS]; /* the last ones */
     size_t next_moment;
     struct pel_quality quality;
-    int64_t last_drawn_ns;    /* when the last job's pictures were there */
-    int64_t present_delay_ns; /* of live frames, after their stamp */
+    int64_t last_drawn_ns; /* when the last job's pictures were there */
     uint32_t last_serial;
     unsigned drawing;       /* jobs with render threads, but for large ones */
     unsigned drawing_live;  /* of them */
@@ -146,7 +139,7 @@ struct pel_frames {
     uint64_t slow_order;  /* likewise, as slow */
     struct pel_frames_stats stats;
     struct pel_window render_ms, encode_ms, video_ms;
-    struct pel_window ready_ms; /* live frames: stamp to bytes */
+    struct pel_present present;
 };
 
 /* --- shown.c: what there is to be seen ----------------------------------- */
@@ -290,8 +283,3 @@ void pel_optics_answer(struct pel_frames *frames,
                        struct pel_optics_query *query);
 /* joined: the threads have ended. */
 void pel_optics_finish_all(struct pel_frames *frames, bool joined);
-
-/* --- window.c: medians --------------------------------------------------- */
-void pel_window_add(struct pel_window *window, double value);
-/* Value below which `share` of the window lies (nearest rank); 0: empty. */
-double pel_window_rank(const struct pel_window *window, double share);

@@ -12,8 +12,6 @@
 
 /* One core's time for a pixel of a sea, before any was drawn. */
 #define SOFTWARE_PIXEL_MS 2.2e-4
-/* Of presentation, before anything is known: three frames at 30 Hz. */
-#define FIRST_DELAY_NS 100000000LL
 
 static void receive(void *user, struct pel_mail *mail)
 {
@@ -97,7 +95,7 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
     pel_mailbox_init(&frames->box, context, receive, frames);
     frames->scene = scene;
     frames->max_fps = pel_clamp(o->max_fps, 1, 240);
-    frames->present_delay_ns = FIRST_DELAY_NS;
+    pel_present_begin(&frames->present);
     frames->video_encoder = o->video_encoder;
     enum pel_err err = pel_encoder_pool_create(
         encoder_threads(o->encoder_threads), &frames->box, picture_released,
@@ -257,7 +255,7 @@ void pel_frames_get_stats(const struct pel_frames *frames,
     out->quality_wanted = pel_quality_scale(&frames->quality);
     out->quality_fixed = frames->quality.fixed;
     out->quality_changes = frames->quality.changes;
-    out->present_delay_ms = (double)frames->present_delay_ns * 1e-6;
+    out->present_delay_ms = frames->present.delay_ms;
     out->in_compute = pel_devices_in_compute(frames->devices);
     for (size_t i = 0; i < pel_devices_count(frames->devices); i++) {
         struct pel_device_stats d;

@@ -254,10 +254,6 @@ struct pel_sealed {
  * reference. */
 void pel_frames_show(struct pel_frames *frames, const struct pel_sealed *what);
 
-/* From a live frame's stamp to its time of presentation, at most and without
- * delivery, however slow pictures were: who draws for longer is late. */
-#define PEL_PRESENT_MOST_MS 2000.0
-
 /* Counters since the start, for /metrics and the log. */
 struct pel_frames_stats {
     uint64_t frames_drawn, views_drawn, frames_skipped;

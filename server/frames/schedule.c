@@ -1,4 +1,3 @@
-#include <math.h>
 #include <string.h>
 
 #include "base/clock.h"
@@ -13,9 +12,6 @@
 #define JOIN_NS 50000000
 #define JOIN_LIMIT_NS 500000000
 #define STUCK_NS 2000000000LL
-/* What a network and a decoder may take: a frame time and some. */
-#define DELIVERY_NS 40000000LL
-#define READY_FRAMES 16 /* between two looks at how late frames are */
 /* The processor's time for a pixel, generously: what a large picture may take
  * beyond that without being stuck. */
 #define SOFTWARE_PIXEL_NS 4000
@@ -176,9 +172,10 @@ static struct pel_job *begin_job(struct pel_frames *frames, double time_s,
     job->large = false;
     job->drawn = false;
     job->requested_ns = pel_now_ns();
-    job->present_ns = frames->sealed.snapshot
-                          ? frames->sealed.present_ns
-                          : job->requested_ns + frames->present_delay_ns;
+    job->present_ns =
+        frames->sealed.snapshot
+            ? frames->sealed.present_ns
+            : job->requested_ns + (int64_t)(frames->present.delay_ms * 1e6);
     job->present_unix_ns =
         frames->sealed.snapshot ? frames->sealed.present_unix_ns : 0;
     job->scale = pel_shown_scale(frames);
@@ -293,7 +290,7 @@ static void publish_quality(struct pel_frames *frames)
                     "live views are drawn at %.2f of their size to hold %.3g "
                     "Hz",
                     pel_shown_scale(frames), frames->max_fps);
-    frames->ready_ms.count = 0;
+    pel_present_anew(&frames->present);
 }
 
 /* Chooses the scale by what is about to be drawn. */
@@ -714,26 +711,6 @@ static void feed_quality(struct pel_frames *frames, const struct pel_job *job)
     }
 }
 
-/* Live frames are to be shown when nearly all of them can have come: as late
- * as the slowest of the last ones, and what networks and decoders need. It
- * grows at once, and shrinks by little, so that pictures are shown evenly; at
- * a new scale it begins anew. */
-static void note_ready(struct pel_frames *frames, const struct pel_frame *frame)
-{
-    struct pel_window *window = &frames->ready_ms;
-    pel_window_add(window,
-                   (double)(frame->encoded_ns - frame->requested_ns) * 1e-6);
-    if (window->count % READY_FRAMES != 0) {
-        return;
-    }
-    int64_t delay = (int64_t)(1e6 * fmin(pel_window_rank(window, 0.98),
-                                         PEL_PRESENT_MOST_MS)) +
-                    DELIVERY_NS;
-    int64_t least = frames->present_delay_ns - frames->present_delay_ns / 16;
-    bool anew = window->count == READY_FRAMES;
-    frames->present_delay_ns = anew || delay > least ? delay : least;
-}
-
 void pel_schedule_drawn(struct pel_frames *frames, struct pel_job *job)
 {
     for (size_t i = 0; i < job->draw_count; i++) {
@@ -811,7 +788,10 @@ void pel_schedule_output(struct pel_frames *frames, struct pel_output *output)
         frames->stats.encoded_bytes += output->frame->size;
         bool video = output->frame->codec == PEL_CODEC_H264;
         if (output->stream) {
-            note_ready(frames, output->frame);
+            pel_present_feed(&frames->present,
+                             (double)(output->frame->encoded_ns -
+                                      output->frame->requested_ns) *
+                                 1e-6);
         }
         pel_window_add(video ? &frames->video_ms : &frames->encode_ms,
                        output->frame->encode_ms);

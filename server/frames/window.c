@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "frames/core.h"
+#include "frames/window.h"
 
 void pel_window_add(struct pel_window *window, double value)
 {
