@@ -210,8 +210,7 @@ describe("addresses", () => {
     const both = [...port.keys()].filter((number) => stbd.has(number))
       .map((number) => [port.get(number), stbd.get(number)]);
     assert.ok(both.length > 20, `${both.length} in both`);
-    // In one refresh, where both were there a refresh before their time: a
-    // clock asked anew, or a process that stands still, may part a few.
+    // In one refresh, where both were there a refresh before their time.
     const inTime = both.filter((two) =>
       two.every(({ earlyMs }) => earlyMs > 17));
     const together = inTime.filter(([one, two]) =>
@@ -221,8 +220,7 @@ describe("addresses", () => {
     console.log(`shown ${middle(before)} ms after its time as it comes, ` +
       `${middle(held)} held; ${both.length} of ${port.size} in both, ` +
       `${inTime.length} in time, ${together.length} in one refresh`);
-    assert.ok(together.length >= 0.8 * inTime.length,
-      JSON.stringify(inTime));
+    assert.equal(together.length, inTime.length, JSON.stringify(inTime));
     assert.ok(SANITIZED || inTime.length > 0, "none in time");
   });
 

@@ -30,7 +30,7 @@ const chance = () => {
 const refresh = () => {
   const calls = asked;
   asked = [];
-  calls.forEach((one) => one?.call());
+  calls.forEach((one) => one?.call(now));
 };
 
 // One that says by how much the server is ahead, as answers that took

@@ -1,7 +1,7 @@
 // Several windows in step: each picture is held until the time at which all
 // views of its frame are to be shown (proto/live.md, "Several windows").
 
-const ANSWERS = 12; // a minute of them
+const KEPT_MS = 60000; // answers: clocks drift
 const MOST = 16; // decoded pictures that wait
 // The daemon's longest delay, and some for clocks: who is to wait longer has a
 // wrong time.
@@ -10,7 +10,7 @@ const EARLY_MS = 8; // half a refresh: what is drawn now is seen by then
 
 export const unixMs = () => performance.timeOrigin + performance.now();
 
-// The server's clock, by the answer of the last ones that took least: it is
+// The server's clock, by the answer of the last minute that took least: it is
 // wrong by half of what that took at most.
 export class ServerClock {
   constructor() {
@@ -18,9 +18,10 @@ export class ServerClock {
   }
 
   add(askedMs, heardMs, serverMs) {
-    this.answers.push({ tookMs: heardMs - askedMs,
+    this.answers = this.answers.filter((answer) =>
+      heardMs - answer.heardMs < KEPT_MS);
+    this.answers.push({ heardMs, tookMs: heardMs - askedMs,
       aheadMs: serverMs - (askedMs + heardMs) / 2 });
-    this.answers.splice(0, this.answers.length - ANSWERS);
   }
 
   get known() {
@@ -39,6 +40,9 @@ export class ServerClock {
   }
 }
 
+// One for all views of a page: they change in the same refresh.
+export const serverClock = new ServerClock();
+
 // How long a picture waits that is to be shown so far from now.
 export const heldMs = (awayMs) =>
   awayMs > 0 && awayMs <= LONGEST_MS ? awayMs : 0;
@@ -54,11 +58,12 @@ export class Held {
 
   take(presentMs, one) {
     const nowMs = this.clock.nowMs;
-    this.waiting.push({ presentMs: nowMs + heldMs(presentMs - nowMs), one });
+    const held = heldMs(presentMs - nowMs) > 0;
+    this.waiting.push({ presentMs: held ? presentMs : nowMs, one });
     if (this.waiting.length > MOST) {
       this.thin(); // the delay is long, or the page hidden: it draws none
     }
-    this.asked ??= requestAnimationFrame(() => this.refresh());
+    this.asked ??= requestAnimationFrame((at) => this.refresh(at));
   }
 
   // The one goes that leaves the shortest gap, so that the others are still
@@ -73,15 +78,16 @@ export class Held {
     this.waiting.splice(least, 1)[0].one.close();
   }
 
-  // Shows the last that is due.
-  refresh() {
-    const dueMs = this.clock.nowMs + EARLY_MS;
+  // Shows the last that is due in the refresh that began at `at`, the same for
+  // all of a page.
+  refresh(at) {
+    const dueMs = performance.timeOrigin + at + this.clock.aheadMs + EARLY_MS;
     const gone = this.waiting.splice(0, 1 + this.waiting.findLastIndex(
       ({ presentMs }) => presentMs <= dueMs));
     const last = gone.pop();
     gone.forEach(({ one }) => one.close());
     this.asked = this.waiting.length
-      ? requestAnimationFrame(() => this.refresh()) : null;
+      ? requestAnimationFrame((next) => this.refresh(next)) : null;
     if (last) {
       this.show(last.one);
     }

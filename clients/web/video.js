@@ -4,7 +4,7 @@
 
 import { acknowledge, connect } from "/early.js";
 import { link } from "/link.js";
-import { Held, ServerClock, unixMs } from "/step.js";
+import { Held, serverClock, unixMs } from "/step.js";
 import { readHead } from "/streamhead.js";
 
 const RETRY_MS = 1000;
@@ -58,7 +58,7 @@ export class Video {
     this.missed = 0;
     this.errors = 0;
     this.refused = 0;
-    this.server = new ServerClock();
+    this.server = serverClock;
     this.held = link.step
       ? new Held(this.server, ({ frame, head }) => this.draw(frame, head))
       : null;
