@@ -230,8 +230,7 @@ describe("instruments", () => {
     // The drawn horizon lies where the picture's rows change most.
     await daemon.patch({ views: { bridge: { pitch: -4, roll: 6 } } });
     await open(daemon.url);
-    await sleep(1500);
-    const border = await page.evaluate(() => {
+    const drawn = () => page.evaluate(() => {
       const picture = document.querySelector("canvas.picture");
       const g = picture.getContext("2d");
       const x = Math.round(0.4 * picture.width);
@@ -250,11 +249,15 @@ describe("instruments", () => {
       }
       return best[1] / picture.height;
     });
-    const line = await horizon(0.4);
+    let border, line;
+    // 10 m up it is 0.1° below the level: 0.003 of the height.
+    await until("both are there", async () => {
+      border = await drawn();
+      line = await horizon(0.4);
+      return Math.abs(border - line) < 0.01;
+    });
     console.log(`horizon of the sea at ${border.toFixed(3)} of the height, ` +
       `the instrument's at ${line.toFixed(3)}`);
-    // 10 m up it is 0.1° below the level: 0.003 of the height.
-    assert.ok(Math.abs(border - line) < 0.01);
   });
 
   test("can be turned off, and stay so", async () => {
