@@ -333,9 +333,9 @@ class Durable(unittest.TestCase):
         def recorder():
             """Runs until it has written something."""
             ctl = subprocess.Popen(command, stderr=subprocess.PIPE)
-            until("it writes or ends", lambda: ctl.poll() is not None or (
-                os.path.exists(clip) and os.path.getsize(clip) > 0))
             try:
+                until("it writes or ends", lambda: ctl.poll() is not None or (
+                    os.path.exists(clip) and os.path.getsize(clip) > 0))
                 self.assertIsNone(ctl.poll(), ctl.poll() is not None and
                                   ctl.stderr.read())
                 yield ctl

@@ -44,6 +44,7 @@ double pel_foam_share_inverse(double p)
     for (int i = 0; i < 30; i++) {
         double f = x * (1.5976 + 0.070565 * x * x) - odds;
         double next = x - f / (1.5976 + 3 * 0.070565 * x * x);
+        /* Each turn doubles the digits: there are no more of them. */
         bool there = fabs(next - x) <= 1e-14 * fabs(x);
         x = next;
         if (there) {

@@ -35,7 +35,7 @@ enum pel_objects_known {
 #define PEL_FOG_KINDS (2 * (PEL_FOGS + 1) * (PEL_FOGS + 1))
 
 /* By what the lights of a picture are: how many give light, whether the disc
- * of one that gives none may be seen; and by who sees it. */
+ * of one that gives none may be seen; and by whether only cameras see it. */
 enum pel_programs_light {
     PEL_LIGHT_ONE, /* as by day */
     PEL_LIGHT_ONE_AND_DISC,

@@ -413,7 +413,7 @@ static enum pel_err need_view(struct pel_renderer *r,
                : err;
 }
 
-#define EYES_NS 30000000000LL
+#define EYES_NS 30000000000LL /* programs for them stay in use */
 
 /* Whether all views are cameras', and were for a while: who looks now and then
  * as an eye does not have programs made anew each time. */
