@@ -330,6 +330,11 @@ int main(int argc, char **argv)
         }
     }
     if (get("okta") > 0) {
+        if (!(get("genus") >= 0 && get("genus") < PEL_CLOUD_GENERA)) {
+            fprintf(stderr, "genus: 0 .. %d, as in clouds.def\n",
+                    PEL_CLOUD_GENERA - 1);
+            return 2;
+        }
         enum pel_cloud_genus genus = (enum pel_cloud_genus)get("genus");
         const struct pel_cloud_kind *kind = pel_cloud_kind(genus);
         env.clouds = (struct pel_clouds){ .cover = get("okta") / 8,
