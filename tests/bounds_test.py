@@ -493,6 +493,11 @@ class Rtsp(Case):
             s.sendall(b"OPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\n")
             s.recv(64)
 
+    def setUp(self):
+        # Those of the test before are counted until the daemon sees them gone.
+        until("no client is left",
+              lambda: self.daemon.metrics()["pelagos_rtsp_clients"] == 0)
+
     def connect(self):
         s = socket.create_connection(("127.0.0.1", self.port), 60)
         self.addCleanup(s.close)

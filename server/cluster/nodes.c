@@ -239,7 +239,11 @@ static double delay_ms(const struct pel_cluster *c,
                        const struct pel_frames_stats *stats)
 {
     double way_ms = isfinite(c->quickest_ms) ? fmax(c->quickest_ms, 0) : 0;
-    return fmax(stats->present_delay_ms - PEL_DELIVERY_MS, 0) + way_ms;
+    /* What pictures took that nobody sees any more holds up no one. */
+    bool shows = stats->live_megapixels > 0;
+    double drawn_ms =
+        shows ? fmax(stats->present_delay_ms - PEL_DELIVERY_MS, 0) : 0;
+    return drawn_ms + way_ms;
 }
 
 /* Whether live views are drawn here at another scale than the seals say. */
