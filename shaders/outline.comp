@@ -13,12 +13,10 @@ layout(local_size_x = PEL_GROUP_LINE) in;
 #ifdef PEL_TOGETHER
 // Of outline_find.comp.
 layout(std430, binding = PEL_STORE_SUSPECTS) restrict readonly buffer suspects_block {
-    uint suspect_groups[4];
     uint suspect_counts[PEL_TOGETHER_MOST];
     uint suspects[];
 };
 layout(std430, binding = PEL_STORE_EDGES) restrict buffer edges_block {
-    uint groups[4]; // of outline_together.comp
     uint counts[PEL_TOGETHER_MOST];
     uvec2 edges[];
 };
@@ -38,25 +36,28 @@ layout(std430, binding = PEL_STORE_EDGES) restrict buffer edges_block {
 };
 #endif
 
-void main()
+void follow(uint i)
 {
-    take_view();
-    if (gl_GlobalInvocationID.x >= suspect_count) {
-        return;
-    }
-    uint place = suspects[FIRST_PIXEL + gl_GlobalInvocationID.x];
+    uint place = suspects[FIRST_PIXEL + i];
     ivec2 at = ivec2(place & 0xFFFFu, place >> 16);
     upright p = upright_at(at);
     vec2 parts = parts_of_neighbours(at, p);
     if (parts.x + parts.y > 0.0) {
         uint entry = atomicAdd(count, 1u);
+#ifndef PEL_TOGETHER
         if (entry % uint(PEL_GROUP_LINE) == 0u) {
-#ifdef PEL_TOGETHER
-            atomicMax(groups[0], entry / uint(PEL_GROUP_LINE) + 1u);
-#else
             atomicAdd(groups[0], 1u);
-#endif
         }
+#endif
         edges[FIRST_PIXEL + entry] = edge_of(at, p.up, parts);
+    }
+}
+
+void main()
+{
+    take_view();
+    uint all = gl_NumWorkGroups.x * uint(PEL_GROUP_LINE);
+    for (uint i = gl_GlobalInvocationID.x; i < suspect_count; i += all) {
+        follow(i);
     }
 }

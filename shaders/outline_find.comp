@@ -14,7 +14,6 @@ uvec2 apart_of(int i)
 }
 #define sideways (PEL_OWN.picture.w != 0u)
 layout(std430, binding = PEL_STORE_SUSPECTS) restrict buffer suspects_block {
-    uint groups[4]; // of outline.comp, for the view that has most
     uint counts[PEL_TOGETHER_MOST];
     uint suspects[];
 };
@@ -87,7 +86,9 @@ void main()
     // There is room for all pixels.
     uint many = uint(bitCount(found));
     uint place = atomicAdd(count, many);
+#ifndef PEL_TOGETHER
     atomicMax(groups[0], (place + many - 1u) / uint(PEL_GROUP_LINE) + 1u);
+#endif
     for (; found != 0u; found &= found - 1u) {
         suspects[FIRST_PIXEL + place++] = uint(first.y + findLSB(found)) << 16 | uint(first.x);
     }

@@ -14,7 +14,6 @@
 layout(local_size_x = PEL_GROUP_LINE) in;
 // Of outline.comp.
 layout(std430, binding = PEL_STORE_EDGES) restrict readonly buffer edges_block {
-    uint groups[4];
     uint counts[PEL_TOGETHER_MOST];
     uvec2 edges[];
 };
@@ -25,17 +24,20 @@ vec4 radiance_at(ivec2 at)
     return radiance[FIRST_PIXEL + uint(at.y * int(size.x) + at.x)];
 }
 
-void main()
+void mix_edge(uvec2 edge)
 {
-    uint i = gl_GlobalInvocationID.x;
-    if (i >= counts[gl_WorkGroupID.z]) {
-        return;
-    }
-    take_view();
-    uvec2 edge = edges[FIRST_PIXEL + i];
     ivec2 at = edge_place(edge);
     ivec2 up = edge_up(edge);
     vec4 own = radiance_at(at), lower = radiance_at(at - up), upper = radiance_at(at + up);
     vec2 parts = parts_mixed(edge, own.w, lower.w, upper.w);
     put_color(at, display(mixed_light(parts, own.rgb, lower.rgb, upper.rgb), at));
+}
+
+void main()
+{
+    take_view();
+    uint all = gl_NumWorkGroups.x * uint(PEL_GROUP_LINE);
+    for (uint i = gl_GlobalInvocationID.x; i < counts[gl_WorkGroupID.z]; i += all) {
+        mix_edge(edges[FIRST_PIXEL + i]);
+    }
 }

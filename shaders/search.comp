@@ -15,6 +15,13 @@ layout(std430, binding = PEL_STORE_VERTICES) restrict readonly buffer vertices_b
 layout(std430, binding = PEL_STORE_KEYS) restrict buffer keys_block { uint keys[]; };
 
 #ifdef PEL_TOGETHER
+// Lists of outlines begin here.
+layout(std430, binding = PEL_STORE_SUSPECTS) restrict writeonly buffer suspects_block {
+    uint suspect_counts[PEL_TOGETHER_MOST];
+};
+layout(std430, binding = PEL_STORE_EDGES) restrict writeonly buffer edges_block {
+    uint edge_counts[PEL_TOGETHER_MOST];
+};
 #define vertex_count int(PEL_OWN.first.w)
 const int both_sides = 0;
 #else
@@ -25,7 +32,7 @@ layout(location = 1) uniform int both_sides; // 1: also the surface's underside
 const float NEAR = 0.05;
 const int FAR_OUT = 1 << 22; // 1/256 px; corners beyond are cut by rays instead
 const int SMALL_SIDE = 48;   // px; products of edges fit 32 bits below
-const int SMALL_AREA = 160;  // px; larger boxes are shared by the group
+const int SMALL_AREA = 160;  // px; rows of larger boxes are shared by the group
 
 struct corners {
     vec3 a, b, c;    // in the camera's axes: right, down, forward
@@ -34,8 +41,14 @@ struct corners {
     ivec4 box;       // first and last pixel
 };
 
-shared uint large[64];
-shared uint large_count;
+// Of each lane's triangle whose rows the group shares, turned to the front: its
+// first row, and where its rows end among those of all.
+shared ivec2 large_corners[PEL_GROUP_LINE][3];
+shared int large_top[PEL_GROUP_LINE];
+shared uint large_end[PEL_GROUP_LINE];
+// Those that reach behind the eye.
+shared uint wide[PEL_GROUP_LINE];
+shared uint wide_count;
 
 vec3 from_camera(int i)
 {
@@ -67,6 +80,18 @@ void bound_edge(vec3 from, vec3 to, inout vec2 least, inout vec2 most)
     vec2 v = to.xy / to.z;
     least = min(least, min(u, v));
     most = max(most, max(u, v));
+}
+
+// Whether all corners lie beyond one side of the picture, also behind the eye: the
+// bounds of a triangle that reaches there are wide, and hundreds of thousands of
+// pixels would be looked at for none.
+bool is_beside(corners t)
+{
+    vec2 first = (pixel.zw - 1.0) * pixel.xy;
+    vec2 last = (pixel.zw + size.xy + 1.0) * pixel.xy;
+    bvec2 before = lessThan(max(max(t.a.xy - first * t.a.z, t.b.xy - first * t.b.z), t.c.xy - first * t.c.z), vec2(0.0));
+    bvec2 after = greaterThan(min(min(t.a.xy - last * t.a.z, t.b.xy - last * t.b.z), t.c.xy - last * t.c.z), vec2(0.0));
+    return any(before) || any(after);
 }
 
 // False: it covers no pixel.
@@ -102,6 +127,9 @@ bool corners_of(uint number, out corners t)
         }
     }
     if (!t.plain) {
+        if (is_beside(t)) {
+            return false;
+        }
         vec2 least = vec2(1e30);
         vec2 most = vec2(-1e30);
         bound_edge(t.a, t.b, least, most);
@@ -167,47 +195,94 @@ void cover_small(corners t, uint number)
     }
 }
 
-double edge_at(ivec2 from, ivec2 to, ivec2 at)
+// How many rows the group takes of it.
+uint share(corners t, uint number, uint lane)
 {
-    ivec2 e = to - from;
-    double value = double(e.x) * double(at.y - from.y) - double(e.y) * double(at.x - from.x);
-    return owns(e) ? value : value - 0.5LF;
+    double area = double(t.q.x - t.p.x) * double(t.r.y - t.p.y) -
+                  double(t.q.y - t.p.y) * double(t.r.x - t.p.x);
+    if (area == 0.0LF || (both_sides == 0 && !is_front(number, area > 0.0LF))) {
+        return 0u;
+    }
+    large_corners[lane] = area < 0.0LF ? ivec2[3](t.p, t.r, t.q) : ivec2[3](t.p, t.q, t.r);
+    large_top[lane] = t.box.y;
+    return uint(t.box.w - t.box.y + 1);
 }
 
-void cover_large(corners t, uint number, uint lane)
+// From rows of each to the ends of them.
+void add_up(uint lane, uint rows)
 {
-    double area = 0.0LF;
-    if (t.plain) {
-        area = double(t.q.x - t.p.x) * double(t.r.y - t.p.y) -
-               double(t.q.y - t.p.y) * double(t.r.x - t.p.x);
-    } else {
-        area = double(dot(t.a, cross(t.b, t.c)));
+    large_end[lane] = rows;
+    for (uint step_ = 1u; step_ < uint(PEL_GROUP_LINE); step_ *= 2u) {
+        barrier();
+        rows += lane >= step_ ? large_end[lane - step_] : 0u;
+        barrier();
+        large_end[lane] = rows;
     }
-    if (area == 0.0LF || (both_sides == 0 && !is_front(number, area > 0.0LF))) {
+    barrier();
+}
+
+// The pixels of a row on the inner side of an edge. Numbers are whole and below
+// 2^47, so that quotients are on the right side of whole ones.
+void bound_row(ivec2 from, ivec2 to, int y, inout ivec2 span)
+{
+    ivec2 e = to - from;
+    double at_first = double(e.x) * double(y * 256 + 128 - from.y) -
+                      double(e.y) * double(128 - from.x) - (owns(e) ? 0.0LF : 1.0LF);
+    if (e.y == 0) {
+        span.y = at_first < 0.0LF ? -1 : span.y;
         return;
     }
-    bool turned = area < 0.0LF;
-    ivec2 q = turned ? t.r : t.q;
-    ivec2 r = turned ? t.q : t.r;
-    vec3 na = cross(t.b, t.c) * (turned ? -1.0 : 1.0);
-    vec3 nb = cross(t.c, t.a) * (turned ? -1.0 : 1.0);
-    vec3 nc = cross(t.a, t.b) * (turned ? -1.0 : 1.0);
-    int wide = t.box.z - t.box.x + 1;
-    int all = wide * (t.box.w - t.box.y + 1);
-    for (int i = int(lane); i < all; i += 64) {
-        ivec2 at = t.box.xy + ivec2(i % wide, i / wide);
-        bool inside;
-        if (t.plain) {
-            ivec2 middle = at * 256 + 128;
-            inside = edge_at(t.p, q, middle) >= 0.0LF && edge_at(q, r, middle) >= 0.0LF &&
-                     edge_at(r, t.p, middle) >= 0.0LF;
-        } else {
-            vec3 ray = vec3((pixel.zw + vec2(at) + 0.5) * pixel.xy, 1.0);
-            vec3 e = vec3(dot(ray, na), dot(ray, nb), dot(ray, nc));
-            float sum = e.x + e.y + e.z;
-            inside = min(e.x, min(e.y, e.z)) >= 0.0 && abs(float(area)) > NEAR * sum;
+    int x = int(clamp(floor(at_first / (256.0LF * double(abs(e.y)))), -1e6LF, 1e6LF));
+    span = e.y < 0 ? ivec2(max(span.x, -x), span.y) : ivec2(span.x, min(span.y, x));
+}
+
+void cover_row(uint i, int y, uint number)
+{
+    ivec2 p = large_corners[i][0], q = large_corners[i][1], r = large_corners[i][2];
+    ivec2 span = ivec2(0, int(size.x) - 1);
+    bound_row(p, q, y, span);
+    bound_row(q, r, y, span);
+    bound_row(r, p, y, span);
+    for (int x = span.x; x <= span.y; x++) {
+        take(ivec2(x, y), number);
+    }
+}
+
+// Slivers fill little of their boxes: lanes take their rows; where there are few
+// triangles those of several groups, in y.
+void cover_large(uint lane)
+{
+    uint rows = large_end[PEL_GROUP_LINE - 1];
+    uint all = gl_NumWorkGroups.y * uint(PEL_GROUP_LINE);
+    uint i = 0u;
+    for (uint row = gl_WorkGroupID.y * uint(PEL_GROUP_LINE) + lane; row < rows; row += all) {
+        while (large_end[i] <= row) {
+            i++;
         }
-        if (inside) {
+        uint start = i > 0u ? large_end[i - 1u] : 0u;
+        cover_row(i, large_top[i] + int(row - start), gl_WorkGroupID.x * uint(PEL_GROUP_LINE) + i + 1u);
+    }
+}
+
+// By rays through the pixels of its box.
+void cover_wide(corners t, uint number, uint lane)
+{
+    float area = dot(t.a, cross(t.b, t.c));
+    if (area == 0.0 || (both_sides == 0 && !is_front(number, area > 0.0))) {
+        return;
+    }
+    float turned = area < 0.0 ? -1.0 : 1.0;
+    vec3 na = cross(t.b, t.c) * turned;
+    vec3 nb = cross(t.c, t.a) * turned;
+    vec3 nc = cross(t.a, t.b) * turned;
+    int across = t.box.z - t.box.x + 1;
+    int all = across * (t.box.w - t.box.y + 1);
+    int step_ = int(gl_NumWorkGroups.y) * PEL_GROUP_LINE;
+    for (int i = int(gl_WorkGroupID.y) * PEL_GROUP_LINE + int(lane); i < all; i += step_) {
+        ivec2 at = t.box.xy + ivec2(i % across, i / across);
+        vec3 ray = vec3((pixel.zw + vec2(at) + 0.5) * pixel.xy, 1.0);
+        vec3 e = vec3(dot(ray, na), dot(ray, nb), dot(ray, nc));
+        if (min(e.x, min(e.y, e.z)) >= 0.0 && abs(area) > NEAR * (e.x + e.y + e.z)) {
             take(at, number);
         }
     }
@@ -218,26 +293,38 @@ void main()
     take_view();
     uint lane = gl_LocalInvocationIndex;
     uint number = gl_GlobalInvocationID.x + 1u;
+#ifdef PEL_TOGETHER
+    if (number == 1u && gl_WorkGroupID.y == 0u && PEL_OWN.picture.x != 0u) {
+        suspect_counts[gl_WorkGroupID.z] = 0u;
+        edge_counts[gl_WorkGroupID.z] = 0u;
+    }
+#endif
     if (lane == 0u) {
-        large_count = 0u;
+        wide_count = 0u;
     }
     barrier();
     corners t;
+    uint rows = 0u;
     if (number <= uint(vertex_count) * 2u && corners_of(number, t)) {
         ivec2 sides = t.box.zw - t.box.xy + 1;
         ivec2 reach = max(t.p, max(t.q, t.r)) - min(t.p, min(t.q, t.r));
         if (t.plain && sides.x * sides.y <= SMALL_AREA &&
             max(reach.x, reach.y) < SMALL_SIDE * 256) {
-            cover_small(t, number);
+            if (gl_WorkGroupID.y == 0u) {
+                cover_small(t, number);
+            }
+        } else if (t.plain) {
+            rows = share(t, number, lane);
         } else {
-            large[atomicAdd(large_count, 1u)] = number;
+            wide[atomicAdd(wide_count, 1u)] = number;
         }
     }
-    barrier();
-    for (uint i = 0u; i < large_count; i++) {
+    add_up(lane, rows);
+    cover_large(lane);
+    for (uint i = 0u; i < wide_count; i++) {
         corners shared_one;
-        if (corners_of(large[i], shared_one)) {
-            cover_large(shared_one, large[i], lane);
+        if (corners_of(wide[i], shared_one)) {
+            cover_wide(shared_one, wide[i], lane);
         }
     }
 }

@@ -89,7 +89,7 @@ static void ask_the_shader(void)
     char defines[128];
     snprintf(defines, sizeof defines, "%s%s",
              sea.cascades ? "#define PEL_FFT\n" : "",
-             context.software ? "" : "#define PEL_EXACT_TEXELS\n");
+             context.software ? "" : "#define PEL_HARDWARE\n");
     if (pel_program_create(NULL, "filtered.comp", NULL, defines, &program,
                            &fault)) {
         fail_msg("%s", fault.message);

@@ -9,6 +9,9 @@
 #define VERTEX_BARRIERS                                                        \
     (GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT)
 
+/* Groups that occupy a large device. */
+#define SEARCH_GROUPS 1024u
+
 void pel_mesh_displace(const struct pel_mesh *m)
 {
     GLint blocks[PEL_MESH_MAX_BLOCKS][4], bases[PEL_MESH_MAX_BLOCKS];
@@ -28,6 +31,15 @@ void pel_mesh_displace(const struct pel_mesh *m)
     glDispatchCompute(
         (GLuint)(m->vertex_count + PEL_GROUP_LINE - 1) / PEL_GROUP_LINE, 1, 1);
     glMemoryBarrier(VERTEX_BARRIERS);
+}
+
+void pel_mesh_search(int triangles, unsigned views)
+{
+    /* Seen from high up there are few, of hundreds of rows each. */
+    const GLuint groups =
+        (GLuint)(triangles + PEL_GROUP_LINE - 1) / PEL_GROUP_LINE;
+    const GLuint beside = SEARCH_GROUPS / (groups * views);
+    glDispatchCompute(groups, beside < 1 ? 1 : beside, views);
 }
 
 void pel_mesh_draw(const struct pel_mesh *m)

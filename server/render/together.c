@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "render/acuity.h"
 #include "render/edges.h"
+#include "render/meshpass.h"
 #include "render/rendererstate.h"
 #include "render/shader.h"
 #include "render/spacepass.h"
@@ -21,8 +22,12 @@
 /* What does not need a quarter of the memory this often in a row gives it back.
  */
 #define SMALL_DRAWS 256
-/* Before the entries of a list: groups to dispatch, entries of each view. */
-#define LIST_HEAD ((4 + PEL_TOGETHER_MOST) * sizeof(GLuint))
+/* Before the entries of a list: how many each view has. */
+#define LIST_HEAD (PEL_TOGETHER_MOST * sizeof(GLuint))
+/* Pixels of a view to a thread that takes one entry after the other: few more
+ * are suspected or cut. An indirect dispatch waits longer to begin. */
+#define PIXELS_A_SUSPECT 16
+#define PIXELS_AN_EDGE 32
 #define CLEAR_COLUMNS 1024u
 
 struct pel_view_together {
@@ -462,6 +467,12 @@ static void find_surface(struct pel_renderer *r,
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_VERTICES, t->vertices);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_KEYS, t->keys);
     glBindTextureUnit(PEL_UNIT_VERTICES, t->texels);
+    pel_view_bind_net(r, t->vertices);
+    if (all->outlines) {
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_SUSPECTS,
+                         t->suspects);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_EDGES, t->edges);
+    }
     if (all->vertices > 0) {
         pel_program_use(programs->together_mesh);
         glDispatchCompute(pel_groups(all->vertices, PEL_GROUP_LINE), 1, views);
@@ -472,24 +483,16 @@ static void find_surface(struct pel_renderer *r,
     meter(r, env);
     if (all->vertices > 0) {
         pel_program_use(t->search);
-        glDispatchCompute(pel_groups(2 * all->vertices, PEL_GROUP_LINE), 1,
-                          views);
+        pel_mesh_search(2 * all->vertices, views);
     }
     glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_UNIFORM_BARRIER_BIT);
     pel_stage_end(&r->timing, PEL_STAGE_RASTER);
 }
 
-static void begin_list(GLuint list, GLuint binding, GLuint views)
+/* Threads of a list that has an entry for one of so many pixels. */
+static GLuint list_groups(const struct extent *all, int pixels)
 {
-    const GLuint head[4 + PEL_TOGETHER_MOST] = { 0, 1, views };
-    glNamedBufferSubData(list, 0, sizeof head, head);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, binding, list);
-}
-
-static void dispatch_by(GLuint list)
-{
-    glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, list);
-    glDispatchComputeIndirect(0);
+    return pel_groups(all->width * all->height, pixels * PEL_GROUP_LINE);
 }
 
 /* From the triangles: while pixels are shaded, who follows outlines waits for
@@ -498,14 +501,12 @@ static void list_outlines(struct pel_renderer *r, const struct extent *all)
 {
     struct pel_together *t = &r->together;
     const GLuint views = (GLuint)t->count;
-    begin_list(t->suspects, PEL_STORE_SUSPECTS, views);
-    begin_list(t->edges, PEL_STORE_EDGES, views);
     pel_program_use(t->find);
     glDispatchCompute(pel_groups(all->width, PEL_GROUP_LINE),
                       pel_groups(all->height, PEL_OUTLINE_ROWS), views);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     pel_program_use(t->outline);
-    dispatch_by(t->suspects);
+    glDispatchCompute(list_groups(all, PIXELS_A_SUSPECT), 1, views);
 }
 
 static void shade(struct pel_renderer *r, const struct pel_environment *env,
@@ -531,9 +532,9 @@ static void shade(struct pel_renderer *r, const struct pel_environment *env,
 static void mix_outlines(struct pel_renderer *r, const struct extent *all)
 {
     struct pel_together *t = &r->together;
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_COMMAND_BARRIER_BIT);
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     pel_program_use(r->programs.together_mix);
-    dispatch_by(t->edges);
+    glDispatchCompute(list_groups(all, PIXELS_AN_EDGE), 1, (GLuint)t->count);
     glBindBufferRange(GL_SHADER_STORAGE_BUFFER, PEL_STORE_KEYS, t->keys, 0,
                       (GLsizeiptr)(all->pixels * sizeof(GLuint)));
     pel_program_use(t->clear);
@@ -545,8 +546,7 @@ static void mix_outlines(struct pel_renderer *r, const struct extent *all)
 static struct extent extent_of(const struct pel_together *t)
 {
     const struct pel_view_together *last = &t->views[t->count - 1];
-    struct extent all = { .pixels = last->first_pixel + pixels_of(last),
-                          .outlines = last->margin > 0 };
+    struct extent all = { .pixels = last->first_pixel + pixels_of(last) };
     for (size_t i = 0; i < t->count; i++) {
         const struct pel_view_together *v = &t->views[i];
         const int vertices = v->mesh.vertex_count;
@@ -556,6 +556,7 @@ static struct extent extent_of(const struct pel_together *t)
         all.width = width > all.width ? width : all.width;
         all.height = height > all.height ? height : all.height;
     }
+    all.outlines = last->margin > 0 && all.vertices > 0;
     return all;
 }
 

@@ -97,6 +97,7 @@ static void displace_mesh(struct pel_renderer *r,
         &r->arena, GL_SHADER_STORAGE_BUFFER, PEL_STORE_RINGS, m->rings,
         sizeof *m->rings * (size_t)(m->ring_count ? m->ring_count : 1));
     glBindTextureUnit(PEL_UNIT_VERTICES, r->vertex_texels);
+    pel_view_bind_net(r, r->vertices);
     pel_program_use(p->mesh);
     pel_mesh_displace(m);
 }
@@ -110,7 +111,7 @@ static void search_surface(struct pel_renderer *r, bool under)
         pel_program_use(r->programs.search);
         glUniform1i(0, r->mesh->vertex_count);
         glUniform1i(1, under);
-        glDispatchCompute(pel_groups(triangles, PEL_GROUP_LINE), 1, 1);
+        pel_mesh_search(triangles, 1);
         glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
     }
 }

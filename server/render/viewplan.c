@@ -163,6 +163,15 @@ static void bind_waves(struct pel_renderer *r,
     } else {
         pel_texels_set(&r->tables.waves, &block, sizeof block);
         glBindTextureUnit(PEL_UNIT_WAVES, r->tables.waves.texture);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_WAVES,
+                         r->tables.waves.buffer);
+    }
+}
+
+void pel_view_bind_net(const struct pel_renderer *r, GLuint vertices)
+{
+    if (!r->context.software) {
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_NET, vertices);
     }
 }
 

@@ -108,6 +108,8 @@ void pel_view_bind_seabed(struct pel_renderer *r,
 void pel_view_bind_sea(struct pel_renderer *r,
                        const struct pel_environment *env,
                        const struct pel_camera *c);
+/* The mesh as hardware shades it. */
+void pel_view_bind_net(const struct pel_renderer *r, GLuint vertices);
 void pel_view_bind_wakes(struct pel_renderer *r,
                          const struct pel_environment *env,
                          const struct pel_view *v);

@@ -14,6 +14,7 @@
 #define LEVELS PEL_CASCADE_LEVELS
 #define LEVEL_TEXELS (N * N / 3 * 4 + 4) /* of all levels, and a little */
 #define MOST_THREADS PEL_CASCADES
+#define LINE_BYTES ((GLsizeiptr)N * N * 32) /* of one cascade */
 
 static GLuint make_array(GLenum format, GLsizei levels, GLsizei cascades,
                          const char *label)
@@ -195,8 +196,8 @@ static enum pel_err make_programs(struct pel_wavefield *field,
     field->modes = make_array(GL_RG32F, 1, PEL_CASCADES, "modes");
     make_set(&field->sets[0]);
     glCreateBuffers(1, &field->lines);
-    glNamedBufferStorage(field->lines, (GLsizeiptr)N * N * PEL_CASCADES * 32,
-                         NULL, 0);
+    glNamedBufferStorage(
+        field->lines, LINE_BYTES * (PEL_CASCADES + PEL_FOAM_CASCADES), NULL, 0);
     glObjectLabel(GL_BUFFER, field->lines, -1, "transform lines");
     glCreateBuffers(1, &field->parameters);
     glNamedBufferStorage(field->parameters, sizeof(struct parameters), NULL,
@@ -287,36 +288,52 @@ static void make_all_levels(const struct pel_wavefield *field)
     }
 }
 
-/* The lines are free again. */
-static void transform_breaking(struct pel_wavefield *field, double time_s)
+/* Lines of what breaks come after those of the sea, and no pass of the one
+ * waits for the other's. */
+static void bind_lines(const struct pel_wavefield *field, bool breaking)
 {
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    pel_program_use(field->foam_programs[0]);
+    glBindBufferRange(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LINES, field->lines,
+                      breaking ? LINE_BYTES * PEL_CASCADES : 0,
+                      LINE_BYTES *
+                          (breaking ? PEL_FOAM_CASCADES : PEL_CASCADES));
+}
+
+static void transform_rows(const struct pel_wavefield *field, double time_s,
+                           bool breaking)
+{
+    bind_lines(field, breaking);
+    pel_program_use(breaking ? field->foam_programs[0] : field->rows_program);
     glUniform1d(0, time_s);
-    glDispatchCompute(1, N, PEL_FOAM_CASCADES);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    pel_program_use(field->foam_programs[1]);
-    bind_breaking(field, 0);
-    glDispatchCompute(1, N, PEL_FOAM_CASCADES);
+    glDispatchCompute(1, N, breaking ? PEL_FOAM_CASCADES : PEL_CASCADES);
+}
+
+static void transform_columns(const struct pel_wavefield *field, bool breaking)
+{
+    bind_lines(field, breaking);
+    pel_program_use(breaking ? field->foam_programs[1]
+                             : field->columns_program);
+    if (breaking) {
+        bind_breaking(field, 0);
+    } else {
+        bind_images(field, 0);
+    }
+    glDispatchCompute(1, N, breaking ? PEL_FOAM_CASCADES : PEL_CASCADES);
 }
 
 static void transform_by_shaders(struct pel_wavefield *field, double time_s)
 {
     glBindTextureUnit(PEL_UNIT_AMPLITUDES, field->amplitudes);
     glBindTextureUnit(PEL_UNIT_MODES, field->modes);
-    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_LINES, field->lines);
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_MODES,
                      field->parameters);
-    pel_program_use(field->rows_program);
-    glUniform1d(0, time_s);
-    glDispatchCompute(1, N, PEL_CASCADES);
-    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-    pel_program_use(field->columns_program);
-    bind_images(field, 0);
-    glDispatchCompute(1, N, PEL_CASCADES);
+    transform_rows(field, time_s, false);
     if (field->foam) {
-        /* What it reads lies in a unit that the levels use. */
-        transform_breaking(field, time_s);
+        transform_rows(field, time_s, true);
+    }
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+    transform_columns(field, false);
+    if (field->foam) {
+        transform_columns(field, true);
     }
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
     make_all_levels(field);

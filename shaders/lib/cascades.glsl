@@ -60,7 +60,7 @@ vec2 cascade_uv(int c, vec2 place)
 }
 
 // Cubic B-spline at a level of detail.
-#ifdef PEL_EXACT_TEXELS
+#ifdef PEL_HARDWARE
 // Samplers in hardware blend with 8 bits of fraction: on the coarsest cascade
 // that would move the sea by millimetres from where queries find it.
 vec3 spline(int c, vec2 uv, float lod)

@@ -44,7 +44,7 @@ uint lamps_likely(vec3 v, vec2 tilt, vec3 tx, vec3 ty, vec3 n, vec3 view, vec2 v
                              sqrt(wind.z * wind.w / (spread.x * spread.y)) + 1e-6);
     float wider = 0.0625 * lamps_footprint * lamps_footprint;
     vec2 side = vec2(-wind.y, wind.x);
-#ifdef PEL_EXACT_TEXELS
+#ifdef PEL_HARDWARE
     return lamps_here; // hardware is faster without
 #endif
     uint likely = 0u; // all of them at once costs less than each in its turn

@@ -59,7 +59,7 @@ float hidden_below(upright p, uint near, int last, float none)
 {
     int n = COLUMNS_AROUND;
     int v = int(near - 1u >> 1u);
-    vec2 flags_ring = texelFetch(vertex_texels, 2 * (FIRST_VERTEX + v) + 1).zw;
+    vec2 flags_ring = vertex_rest(v).zw;
     int b = int(uint(flags_ring.x) >> 3); // VERTEX_BLOCK
     ivec4 block = MESH_BLOCK(b);
     int row = int(flags_ring.y) - block.x;

@@ -51,8 +51,15 @@ float filter_weight(float x)
     return x * x * (3.0 - 2.0 * x);
 }
 
-// pel_shader_wave, two texels each.
+// pel_shader_wave, two words each. All pixels read the same ones: hardware takes
+// sixteen times as long to fetch texels, software devices to read buffers.
+#ifdef PEL_HARDWARE
+layout(std430, binding = PEL_STORE_WAVES) restrict readonly buffer waves_block { vec4 wave_words[]; };
+#define WAVE_WORD(i) wave_words[i]
+#else
 layout(binding = PEL_UNIT_WAVES) uniform samplerBuffer wave_texels;
+#define WAVE_WORD(i) texelFetch(wave_texels, i)
+#endif
 
 // F(phase, wander) of each wave, longest first: the sum ends before the first
 // without weight, so that a pixel costs what it resolves. (The first always
@@ -63,12 +70,12 @@ layout(binding = PEL_UNIT_WAVES) uniform samplerBuffer wave_texels;
 #define PEL_EACH_WAVE(F)                                                       \
     {                                                                          \
         int wave_ = 0;                                                         \
-        vec4 phase_ = texelFetch(wave_texels, 0);                              \
+        vec4 phase_ = WAVE_WORD(0);                                          \
         do {                                                                   \
-            vec4 wander_ = texelFetch(wave_texels, wave_ + 1);                 \
+            vec4 wander_ = WAVE_WORD(wave_ + 1);                               \
             F(phase_, wander_)                                                 \
             wave_ += 2;                                                        \
-            phase_ = texelFetch(wave_texels, wave_);                           \
+            phase_ = WAVE_WORD(wave_);                                         \
         } while (phase_.w * scale + offset > 0.0 &&                            \
                  wave_ < 2 * PEL_WAVE_LIMIT);                                  \
     }

@@ -34,34 +34,91 @@ struct setting {
 };
 
 static struct setting settings[] = {
-    { "wind", 8 },        { "winddir", 270 }, { "sun", 30 },
-    { "sunaz", 0 },       { "height", 6 },    { "pitch", -4 },
-    { "yaw", 0 },         { "fov", 60 },      { "width", 1024 },
-    { "height_px", 768 }, { "time", 10 },     { "vis", 40000 },
-    { "ev", 99 },         { "frames", 1 },    { "seed", 1 },
-    { "waves", 60 },      { "fft", 0 },       { "stages", 0 },
-    { "chl", 0.2 },       { "hardware", 0 },  { "roll", 0 },
-    { "swell", 0 },       { "compute", -1 },  { "layers", 0 },
-    { "nmin", 0 },        { "nmax", 0 },      { "cell", 0 },
-    { "paper", 0 },       { "x", 0 },         { "y", 0 },
-    { "bed", 0 },         { "caustics", 1 },  { "glare", 0.01 },
-    { "linear", 0 },      { "sparkle", 1 },   { "ship", 0 },
-    { "away", 220 },      { "aa", 1 },        { "bearing", 0 },
-    { "turned", 60 },     { "foam", 1 },      { "kind", 0 },
-    { "slick", 1 },       { "fleet", 0 },     { "wash", 0 },
-    { "push", 99 },       { "moon", -90 },    { "moonaz", 0 },
-    { "lit", 1 },         { "night", 0 },     { "lat", 30 },
-    { "sense", 0 },       { "span", 0 },      { "phosphor", 0 },
-    { "air", 15 },        { "gain", 1 },      { "wakes", 0 },
-    { "lit", 1 },         { "okta", 0 },      { "genus", 0 },
-    { "eye", 0 },         { "fog", 0 },       { "fogbase", 0 },
-    { "fogtop", 80 },     { "fogsoft", 20 },  { "bank", 0 },
-    { "bankaway", 1500 }, { "banktop", 60 },  { "bankradius", 800 },
-    { "bankbearing", 0 }, { "rain", 0 },      { "snow", 0 },
-    { "bare", 0 },        { "kind_only", 0 }, { "dry", 0 },
-    { "shutter", 0 },     { "wet", 0 },       { "lamps", 0 },
-    { "motes", 0 },       { "washes", 1 },    { "lon", 0 },
-    { "land", 0 },        { "high", 0 },
+    { "wind", 8 },
+    { "winddir", 270 },
+    { "sun", 30 },
+    { "sunaz", 0 },
+    { "height", 6 },
+    { "pitch", -4 },
+    { "yaw", 0 },
+    { "fov", 60 },
+    { "width", 1024 },
+    { "height_px", 768 },
+    { "time", 10 },
+    { "vis", 40000 },
+    { "ev", 99 },
+    { "frames", 1 },
+    { "seed", 1 },
+    { "waves", 60 },
+    { "fft", 0 },
+    { "stages", 0 },
+    { "planes", 0 },
+    { "piped", 0 },
+    { "chl", 0.2 },
+    { "hardware", 0 },
+    { "roll", 0 },
+    { "swell", 0 },
+    { "compute", -1 },
+    { "layers", 0 },
+    { "nmin", 0 },
+    { "nmax", 0 },
+    { "cell", 0 },
+    { "paper", 0 },
+    { "x", 0 },
+    { "y", 0 },
+    { "bed", 0 },
+    { "caustics", 1 },
+    { "glare", 0.01 },
+    { "linear", 0 },
+    { "sparkle", 1 },
+    { "ship", 0 },
+    { "away", 220 },
+    { "aa", 1 },
+    { "bearing", 0 },
+    { "turned", 60 },
+    { "foam", 1 },
+    { "kind", 0 },
+    { "slick", 1 },
+    { "fleet", 0 },
+    { "wash", 0 },
+    { "push", 99 },
+    { "moon", -90 },
+    { "moonaz", 0 },
+    { "lit", 1 },
+    { "night", 0 },
+    { "lat", 30 },
+    { "sense", 0 },
+    { "span", 0 },
+    { "phosphor", 0 },
+    { "air", 15 },
+    { "gain", 1 },
+    { "wakes", 0 },
+    { "lit", 1 },
+    { "okta", 0 },
+    { "genus", 0 },
+    { "eye", 0 },
+    { "fog", 0 },
+    { "fogbase", 0 },
+    { "fogtop", 80 },
+    { "fogsoft", 20 },
+    { "bank", 0 },
+    { "bankaway", 1500 },
+    { "banktop", 60 },
+    { "bankradius", 800 },
+    { "bankbearing", 0 },
+    { "rain", 0 },
+    { "snow", 0 },
+    { "bare", 0 },
+    { "kind_only", 0 },
+    { "dry", 0 },
+    { "shutter", 0 },
+    { "wet", 0 },
+    { "lamps", 0 },
+    { "motes", 0 },
+    { "washes", 1 },
+    { "lon", 0 },
+    { "land", 0 },
+    { "high", 0 },
 };
 
 static double get(const char *name)
@@ -281,6 +338,32 @@ static double processor_ms(void)
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
+/* As many more frames with two others under way: the time that each takes. */
+static bool piped(struct pel_renderer *r, struct pel_environment *env,
+                  const struct pel_draw *draw)
+{
+    const int frames = (int)get("piped");
+    int64_t start = 0;
+    for (int i = -10; i < frames; i++) {
+        if (i == 0) {
+            start = pel_now_ns();
+        }
+        env->time_s = get("time") + i / 30.0;
+        if (pel_renderer_submit(r, env, draw, 1) != PEL_OK) {
+            return false;
+        }
+        if (i >= -8) {
+            pel_picture_release(pel_renderer_collect(r, 10000000000));
+        }
+    }
+    printf("piped: %.4f ms a frame\n",
+           (double)(pel_now_ns() - start) * 1e-6 / frames);
+    while (pel_renderer_in_flight(r) > 0) {
+        pel_picture_release(pel_renderer_collect(r, 10000000000));
+    }
+    return true;
+}
+
 int main(int argc, char **argv)
 {
     if (argc < 2) {
@@ -387,6 +470,7 @@ int main(int argc, char **argv)
                                            ? PEL_LAYER_COLOR | PEL_LAYER_DEPTH |
                                                  PEL_LAYER_NORMAL
                                            : PEL_LAYER_COLOR };
+    draw.ycbcr = get("planes") > 0 ? PEL_YCBCR_JPEG : PEL_YCBCR_NONE;
     if (get("sense") > 0) {
         draw.camera.sensor = (struct pel_sensor){
             .kind = PEL_SENSOR_ON,
@@ -403,6 +487,9 @@ int main(int argc, char **argv)
             .air_k = 273.15 + get("air"),
             .humidity = 0.75,
         };
+    }
+    if (get("piped") > 0 && !piped(r, &env, &draw)) {
+        return 1;
     }
     pel_renderer_measure(r, get("stages") > 0);
     for (int i = 0; i < (int)get("frames"); i++) {
@@ -422,14 +509,14 @@ int main(int argc, char **argv)
         double ms[PEL_STAGE_COUNT];
         pel_renderer_stage_ms(r, ms);
         for (int s = 0; s < PEL_STAGE_COUNT && get("stages") > 0; s++) {
-            printf(" %s %.2f", pel_stage_name(s), ms[s]);
+            printf(" %s %.3f", pel_stage_name(s), ms[s]);
         }
         printf("\n");
         const struct pel_encode_input in = { .rgba = p->rgba,
                                              .width = p->width,
                                              .height = p->height };
         struct pel_bytes png;
-        if (i == (int)get("frames") - 1 &&
+        if (i == (int)get("frames") - 1 && p->rgba &&
             pel_png_encode(&in, &png) == PEL_OK) {
             FILE *f = fopen(argv[1], "wb");
             fwrite(png.data, 1, png.size, f);
