@@ -167,12 +167,16 @@ void pel_mirrors_draw(struct pel_mirrors *m, int layer, double part, bool holed,
     double cleared = m->parts[layer] > 0 ? fmax(m->parts[layer], part) : 1.0;
     m->parts[layer] = part;
     m->part = fmax(m->part, cleared);
-    glScissor(0, 0, (GLsizei)(cleared * PEL_MIRROR_WIDTH),
-              (GLsizei)(cleared * PEL_MIRROR_HEIGHT));
+    const GLsizei width = (GLsizei)(cleared * PEL_MIRROR_WIDTH),
+                  height = (GLsizei)(cleared * PEL_MIRROR_HEIGHT);
+    glScissor(0, 0, width, height);
     glDepthMask(GL_TRUE);
     glClearNamedFramebufferfv(m->numbers_fbo, GL_DEPTH, 0, nothing);
-    glClearNamedFramebufferfv(fbo, GL_COLOR, 0, nothing);
-    glClearNamedFramebufferfv(fbo, GL_COLOR, 1, nothing);
+    /* By framebuffers it takes hardware half as long again. */
+    glClearTexSubImage(m->radiance, 0, 0, 0, layer, width, height, 1, GL_RGBA,
+                       GL_FLOAT, NULL);
+    glClearTexSubImage(m->away, 0, 0, 0, layer, width, height, 1, GL_RG,
+                       GL_FLOAT, NULL);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, m->numbers_fbo);
     pel_program_use(m->raster[holed]);
     glEnable(GL_CLIP_DISTANCE0);

@@ -34,14 +34,16 @@ enum pel_err pel_samples_need(struct pel_samples *s,
                 h ? "#define PEL_HOLES\n" : NULL, &s->raster[h], fault);
         }
     }
-    if (err == PEL_OK && !s->any) {
+    if (err == PEL_OK && !p->compute && !s->any) {
         err = pel_program_create(p->shader_dir, "screen.vert", "any.frag", NULL,
                                  &s->any, fault);
     }
     if (err == PEL_OK && !s->sight) {
-        err = pel_program_create(p->shader_dir, "screen.vert", "sight.frag",
-                                 p->compute ? "#define PEL_KEYS\n" : NULL,
-                                 &s->sight, fault);
+        err = p->compute
+                  ? pel_program_create(p->shader_dir, "sight.comp", NULL, NULL,
+                                       &s->sight, fault)
+                  : pel_program_create(p->shader_dir, "screen.vert",
+                                       "sight.frag", NULL, &s->sight, fault);
     }
     if (err == PEL_OK && !p->compute && !s->hide) {
         err = pel_program_create(p->shader_dir, "screen.vert", "hide.frag",
@@ -102,18 +104,30 @@ void pel_samples_begin(struct pel_samples *s, GLsizei width, GLsizei height,
                        const GLint box[4])
 {
     static const GLfloat far_away = 0.0f;
-    static const GLuint none[4] = { 0 };
     fit(s, (uint32_t)width, (uint32_t)height);
     keep_to(box);
     glDepthMask(GL_TRUE);
+    /* Numbers are read where a depth says that there is one: to clear them
+     * takes hardware longer than to draw them. */
     glClearNamedFramebufferfv(s->fbo, GL_DEPTH, 0, &far_away);
-    glClearNamedFramebufferuiv(s->fbo, GL_COLOR, 0, none);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, s->fbo);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
 }
 
-void pel_samples_sight(struct pel_samples *s, const GLint box[4])
+static void sight_in_compute(struct pel_samples *s, const GLint box[4])
+{
+    glBindImageTexture(PEL_IMAGE_COVER, s->cover, 0, GL_FALSE, 0, GL_WRITE_ONLY,
+                       GL_R8UI);
+    pel_program_use(s->sight);
+    glUniform4iv(0, 1, box);
+    /* Also what is shaded where no object may be. */
+    glDispatchCompute((s->width + PEL_GROUP_SIDE - 1) / PEL_GROUP_SIDE,
+                      (s->height + PEL_GROUP_SIDE - 1) / PEL_GROUP_SIDE, 1);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+}
+
+static void sight_by_fragments(struct pel_samples *s, const GLint box[4])
 {
     static const GLuint none[4] = { 0 };
     glDisable(GL_SCISSOR_TEST);
@@ -121,8 +135,6 @@ void pel_samples_sight(struct pel_samples *s, const GLint box[4])
     keep_to(box);
     glDepthFunc(GL_ALWAYS);
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, s->cover_fbo);
-    glBindTextureUnit(PEL_UNIT_OBJECT_SAMPLES, s->numbers);
-    glBindTextureUnit(PEL_UNIT_OBJECT_DEPTHS, s->depths);
     glViewport(0, 0, (GLsizei)s->width, (GLsizei)s->height);
     glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     pel_program_use(s->any);
@@ -133,6 +145,17 @@ void pel_samples_sight(struct pel_samples *s, const GLint box[4])
     pel_program_use(s->sight);
     glDrawArrays(GL_TRIANGLES, 0, 3);
     glDepthMask(GL_TRUE);
+}
+
+void pel_samples_sight(struct pel_samples *s, const GLint box[4])
+{
+    glBindTextureUnit(PEL_UNIT_OBJECT_SAMPLES, s->numbers);
+    glBindTextureUnit(PEL_UNIT_OBJECT_DEPTHS, s->depths);
+    if (s->by_keys) {
+        sight_in_compute(s, box);
+    } else {
+        sight_by_fragments(s, box);
+    }
     glBindTextureUnit(PEL_UNIT_OBJECT_COVER, s->cover);
     glDisable(GL_SCISSOR_TEST);
 }

@@ -18,7 +18,7 @@ struct pel_samples {
     GLuint shown;                /* depth: 0 where none is, else 1 */
     GLuint raster[2];            /* programs; the second leaves out holes */
     GLuint any, sight, hide;
-    bool by_keys; /* `sight` reads the sea from keys */
+    bool by_keys; /* `sight` is in compute and reads the sea from keys */
 };
 
 /* GPU with a fault when a program does not compile. */

@@ -204,6 +204,7 @@ struct pel_uvec4 {
 #define PEL_IMAGE_UNDER 0
 #define PEL_IMAGE_SHAFTS 0
 #define PEL_IMAGE_SURROUNDINGS 0
+#define PEL_IMAGE_COVER 0
 #define PEL_IMAGE_MIRRORS 0
 #define PEL_IMAGE_MIRROR_DEPTHS 1
 
