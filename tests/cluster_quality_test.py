@@ -112,7 +112,7 @@ class Quality(unittest.TestCase):
         finally:
             end.set()
             thread.join()
-        until("it is silent", lambda: self.sealed() == 1, 30)
+        until("it is silent", lambda: self.sealed() == 1, 2 * SLOW_S)
 
 
 if __name__ == "__main__":

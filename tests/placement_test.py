@@ -398,6 +398,7 @@ class Placement(unittest.TestCase):
         until("HAProxy sends viewers to a", lambda: goes_to("a"))
         self.assertEqual(ask(), 200)
         live = Live(port)
+        until("it is answered", live.answered)
         begun = time.monotonic()
         self.nodes["a"].process.kill()
         until("the viewer is let go", lambda: live.closed())

@@ -34,11 +34,20 @@
  * eye's nadir and above the sea's zero. */
 static struct pel_vec3 over_sphere(struct pel_vec3 level, double eye_m)
 {
-    double half = 0.5 * hypot(level.x, level.y) / PEL_EARTH_RADIUS;
-    return (struct pel_vec3){
-        level.x * cos(half), level.y * cos(half),
-        level.z - 2 * PEL_EARTH_RADIUS * sin(half) * sin(half) - eye_m
-    };
+    double half2 = 0.25 * (level.x * level.x + level.y * level.y) /
+                   (PEL_EARTH_RADIUS * PEL_EARTH_RADIUS);
+    double flat, drop; /* of half of the arc: cos and sin^2 */
+    if (half2 < 1e-4) {
+        /* To 127 km, by series to 4e-15: each triangle that may cast a shadow
+         * goes through here six times a picture. */
+        flat = 1 - half2 / 2 * (1 - half2 / 12);
+        drop = half2 * (1 - half2 / 3 * (1 - half2 * (2.0 / 15)));
+    } else {
+        flat = cos(sqrt(half2));
+        drop = 1 - flat * flat;
+    }
+    return (struct pel_vec3){ level.x * flat, level.y * flat,
+                              level.z - 2 * PEL_EARTH_RADIUS * drop - eye_m };
 }
 
 struct pel_vec3 pel_object_origin(const struct pel_environment *env,
@@ -66,10 +75,11 @@ static void widen(const struct pel_camera *c, struct pel_vec3 p,
         return;
     }
     double x = pel_vec3_dot(m->x, p) / away, y = pel_vec3_dot(m->y, p) / away;
-    r->left = fmin(r->left, x);
-    r->low = fmin(r->low, y);
-    r->right = fmax(r->right, x);
-    r->high = fmax(r->high, y);
+    /* Not by fmin, which is a call for what is no number. */
+    r->left = x < r->left ? x : r->left;
+    r->low = y < r->low ? y : r->low;
+    r->right = x > r->right ? x : r->right;
+    r->high = y > r->high ? y : r->high;
     r->before++;
 }
 

@@ -118,7 +118,13 @@ vec3 cascade_displacement(int c, vec2 uv, float lod)
         return vec3(0.0);
     }
     float low = floor(lod);
-    return mix(spline(c, uv, low), spline(c, uv, min(low + 1.0, COARSEST)), lod - low);
+    vec3 finer = spline(c, uv, low);
+#ifdef PEL_HARDWARE
+    if (lod == low) { // near the eye most cells are finer than a coarse cascade's texels
+        return finer;
+    }
+#endif
+    return mix(finer, spline(c, uv, min(low + 1.0, COARSEST)), lod - low);
 }
 
 // By the waves that cells of this length carry: half of those as long as the
