@@ -10,7 +10,7 @@ import unittest
 
 import cluster_case as case
 from live_client import Live
-from pelagos_daemon import BIN, until
+from pelagos_daemon import BIN, SLOW_S, until
 
 COUNT = 5
 
