@@ -9,6 +9,7 @@
 #ifdef PEL_FFT
 #include "lib/cascades.glsl"
 #else
+#undef PEL_STORED // in graphics a device may have none for vertices
 #include "lib/waves.glsl"
 #endif
 #include "lib/sky.glsl"

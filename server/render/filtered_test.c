@@ -89,7 +89,7 @@ static void ask_the_shader(void)
     char defines[128];
     snprintf(defines, sizeof defines, "%s%s",
              sea.cascades ? "#define PEL_FFT\n" : "",
-             context.software ? "" : "#define PEL_HARDWARE\n");
+             pel_hardware_defines(context.software));
     if (pel_program_create(NULL, "filtered.comp", NULL, defines, &program,
                            &fault)) {
         fail_msg("%s", fault.message);
@@ -107,6 +107,8 @@ static void ask_the_shader(void)
         pel_fill_waves(&env, EAST_M, NORTH_M, &waves);
         pel_texels_init(&wave_texels, "waves", &waves, sizeof waves);
         glBindTextureUnit(PEL_UNIT_WAVES, wave_texels.texture);
+        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_WAVES,
+                         wave_texels.buffer);
     }
     buffers[4] = bound(GL_SHADER_STORAGE_BUFFER, 0, probes, sizeof probes);
     buffers[5] = bound(GL_SHADER_STORAGE_BUFFER, 1, NULL, sizeof answers);

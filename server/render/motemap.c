@@ -23,7 +23,7 @@ static void defines_of(const struct pel_environment *env,
 {
     snprintf(out, 512, "%s%s%s%s%s",
              env->sea->cascades ? "#define PEL_FFT\n" : "",
-             p->software ? "" : "#define PEL_HARDWARE\n",
+             pel_hardware_defines(p->software),
              objects ? "#define PEL_OBJECTS\n" : "",
              pel_lamp_glow_any_below(env) ? "#define PEL_LAMPS_BELOW\n" : "",
              pel_light_program_defines(env));

@@ -110,7 +110,7 @@ static enum pel_err need_shading(struct pel_objects *o,
         p->textured ? "#define PEL_TEXTURED\n" : "",
         sampled ? "#define PEL_SAMPLED\n" : "",
         land ? "#define PEL_LAND\n" : "", land == 2 ? "#define PEL_FFT\n" : "",
-        land && !p->software ? "#define PEL_HARDWARE\n" : "");
+        land ? pel_hardware_defines(p->software) : "");
     return *program
                ? PEL_OK
                : pel_program_create(p->shader_dir, "screen.vert",

@@ -180,7 +180,7 @@ void pel_programs_surface(const struct pel_programs *all,
              all->wash ? "#define PEL_WASH\n" : "",
              all->wakes ? "#define PEL_WAKES\n" : "",
              sea->shore ? "#define PEL_SHORE\n" : "",
-             all->software ? "" : "#define PEL_HARDWARE\n");
+             pel_hardware_defines(all->software));
 }
 
 static struct pel_sea_programs *programs_with(struct pel_programs *p,

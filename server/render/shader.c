@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "render/binaries.h"
+#include "shaders/lib/blocks.h"
 
 #define MOST_SHADER (1 << 20) /* bytes of a file */
 #define MOST_FILES 128
@@ -393,6 +394,21 @@ static void drop(struct held *h)
     count_loaded(h, false);
     free(h->defines);
     *h = (struct held){ 0 };
+}
+
+bool pel_sea_is_stored(bool software)
+{
+    GLint bindings = 0;
+    glGetIntegerv(GL_MAX_SHADER_STORAGE_BUFFER_BINDINGS, &bindings);
+    return !software && bindings > PEL_STORE_NET;
+}
+
+const char *pel_hardware_defines(bool software)
+{
+    return software ? ""
+           : pel_sea_is_stored(software)
+               ? "#define PEL_HARDWARE\n#define PEL_STORED\n"
+               : "#define PEL_HARDWARE\n";
 }
 
 void pel_program_delete(GLuint program)

@@ -38,6 +38,13 @@ PEL_CHECK enum pel_err pel_program_create(const char *shader_dir,
                                           struct pel_fault *fault);
 void pel_program_delete(GLuint program); /* 0 is none */
 
+/* Whether shading reads waves and mesh from storage buffers of their own: on
+ * hardware that has bindings for them, of which OpenGL promises eight. */
+bool pel_sea_is_stored(bool software);
+
+/* What shaders are told of it: PEL_HARDWARE, and then PEL_STORED. */
+const char *pel_hardware_defines(bool software);
+
 /* What weeks of weathers, lights and traffic have needed once would never be
  * given back: a software device keeps 1 to 2 MB of a program. A view of the
  * open sea has some 20, a wall of many kinds of views 40. So of each context's

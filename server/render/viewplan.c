@@ -7,6 +7,7 @@
 #include "render/acuity.h"
 #include "render/edges.h"
 #include "render/rendererstate.h"
+#include "render/shader.h"
 #include "render/spacepass.h"
 #include "render/uniforms.h"
 
@@ -163,14 +164,16 @@ static void bind_waves(struct pel_renderer *r,
     } else {
         pel_texels_set(&r->tables.waves, &block, sizeof block);
         glBindTextureUnit(PEL_UNIT_WAVES, r->tables.waves.texture);
-        glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_WAVES,
-                         r->tables.waves.buffer);
+        if (pel_sea_is_stored(r->context.software)) {
+            glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_WAVES,
+                             r->tables.waves.buffer);
+        }
     }
 }
 
 void pel_view_bind_net(const struct pel_renderer *r, GLuint vertices)
 {
-    if (!r->context.software) {
+    if (pel_sea_is_stored(r->context.software)) {
         glBindBufferBase(GL_SHADER_STORAGE_BUFFER, PEL_STORE_NET, vertices);
     }
 }

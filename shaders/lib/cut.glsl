@@ -5,7 +5,7 @@
 // the members of a storage buffer one by one and lane by lane. Of hardware it
 // depends on what else is read: with trochoids a buffer takes a fifth off all of
 // shading, with cascades it adds a tenth.
-#if defined(PEL_HARDWARE) && !defined(PEL_FFT)
+#if defined(PEL_STORED) && !defined(PEL_FFT)
 layout(std430, binding = PEL_STORE_NET) restrict readonly buffer net_block { vec4 net_words[]; };
 #define NET_WORD(i) net_words[i]
 #else

@@ -51,9 +51,9 @@ float filter_weight(float x)
     return x * x * (3.0 - 2.0 * x);
 }
 
-// pel_shader_wave, two words each. All pixels read the same ones: hardware takes
-// sixteen times as long to fetch texels, software devices to read buffers.
-#ifdef PEL_HARDWARE
+// pel_shader_wave, two words each. All pixels read the same ones, which hardware
+// hands out faster from buffers, software devices as texels.
+#ifdef PEL_STORED
 layout(std430, binding = PEL_STORE_WAVES) restrict readonly buffer waves_block { vec4 wave_words[]; };
 #define WAVE_WORD(i) wave_words[i]
 #else
@@ -70,7 +70,7 @@ layout(binding = PEL_UNIT_WAVES) uniform samplerBuffer wave_texels;
 #define PEL_EACH_WAVE(F)                                                       \
     {                                                                          \
         int wave_ = 0;                                                         \
-        vec4 phase_ = WAVE_WORD(0);                                          \
+        vec4 phase_ = WAVE_WORD(0);                                            \
         do {                                                                   \
             vec4 wander_ = WAVE_WORD(wave_ + 1);                               \
             F(phase_, wander_)                                                 \
