@@ -290,6 +290,41 @@ static void wrappers_agree(void **state)
     pel_renderer_destroy(r);
 }
 
+/* The search in compute takes small triangles one by one, rows of large ones
+ * and of slivers by groups, and what reaches behind the eye by rays; a
+ * rasteriser all of them alike. */
+static void triangles_of_any_shape_agree(void **state)
+{
+    (void)state;
+    static const struct scene scenes[] = {
+        { "2 m, 60° down", false, 2, 30, 20000, 0, -60 },
+        { "3 m, 40° down", true, 3, 30, 20000, 0, -40 },
+        { "1000 m, 20° down", false, 1000, 30, 40000, 0, -20 },
+        { "1000 m, 70° down", true, 1000, 30, 40000, 0, -70 },
+    };
+    enum { SCENES = sizeof scenes / sizeof *scenes };
+    static uint8_t colors[SCENES][PIXELS * 4];
+    struct pel_renderer *r = create("fragment");
+    for (int i = 0; i < SCENES; i++) {
+        struct pel_picture *p = draw_scene(r, &scenes[i], PEL_LAYER_COLOR);
+        memcpy(colors[i], p->rgba, sizeof colors[i]);
+        pel_picture_release(p);
+    }
+    pel_renderer_destroy(r);
+    r = create("compute");
+    for (int i = 0; i < SCENES; i++) {
+        struct pel_picture *p = draw_scene(r, &scenes[i], PEL_LAYER_COLOR);
+        int differ = 0;
+        for (size_t k = 0; k < sizeof colors[i]; k++) {
+            differ += p->rgba[k] != colors[i][k];
+        }
+        print_message("%s: %d bytes differ\n", scenes[i].name, differ);
+        assert_int_equal(differ, 0);
+        pel_picture_release(p);
+    }
+    pel_renderer_destroy(r);
+}
+
 /* Where nothing is said the kind of device decides, and no clock. */
 static void the_device_decides(void **state)
 {
@@ -324,6 +359,7 @@ int main(void)
         cmocka_unit_test(filters_draw_one_sea),
         cmocka_unit_test(bad_filters_are_refused),
         cmocka_unit_test(wrappers_agree),
+        cmocka_unit_test(triangles_of_any_shape_agree),
         cmocka_unit_test(the_device_decides),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
