@@ -291,8 +291,7 @@ static void wrappers_agree(void **state)
 }
 
 /* The search in compute takes small triangles one by one, rows of large ones
- * and of slivers by groups, and what reaches behind the eye by rays; a
- * rasteriser all of them alike. */
+ * and of slivers by groups; a rasteriser all of them alike. */
 static void triangles_of_any_shape_agree(void **state)
 {
     (void)state;
