@@ -155,7 +155,7 @@ struct pel_uvec4 {
 #define PEL_STORE_STARS 2        /* of a view, as it is shaded */
 #define PEL_STORE_RADIANCE 6     /* of views that are drawn together */
 #define PEL_STORE_PICTURES 8     /* 8 to 15: their readback buffers */
-#define PEL_STORE_WAVES 16       /* of hardware, to the end */
+#define PEL_STORE_WAVES 16       /* of hardware; stays bound */
 #define PEL_STORE_NET 17         /* the mesh, as it is shaded there */
 #define PEL_STORE_COLORS 0       /* of them, before their planes are made */
 #define PEL_STORE_PLANES 0       /* 0, 1: jpeg.comp */
