@@ -47,6 +47,77 @@ static bool try_real_time(void)
     return set_urgent(PEL_URGENT_CONTROL) && set_class(0);
 }
 
+/* --- a beat --------------------------------------------------------------- */
+
+#define BEAT_NS 1000000
+
+static struct {
+    pthread_mutex_t lock;
+    pthread_cond_t asked;
+    atomic_bool there, rests;
+    _Atomic int64_t until_ns;
+    atomic_ulong count;
+} beat = { .lock = PTHREAD_MUTEX_INITIALIZER,
+           .asked = PTHREAD_COND_INITIALIZER };
+
+static bool wanted(void)
+{
+    return pel_now_ns() < atomic_load(&beat.until_ns);
+}
+
+static void *keep_beating(void *unused)
+{
+    const struct timespec rest = { .tv_nsec = BEAT_NS };
+    (void)unused;
+    for (;;) {
+        pthread_mutex_lock(&beat.lock);
+        atomic_store(&beat.rests, true);
+        while (!wanted()) {
+            pthread_cond_wait(&beat.asked, &beat.lock);
+        }
+        atomic_store(&beat.rests, false);
+        pthread_mutex_unlock(&beat.lock);
+        while (wanted()) {
+            nanosleep(&rest, NULL);
+            pel_nudge();
+            atomic_fetch_add(&beat.count, 1);
+        }
+    }
+    return NULL;
+}
+
+/* It stays until the process ends; without a thread there is none. */
+static void begin_beat(void)
+{
+    pthread_t thread;
+    if (!atomic_load(&beat.there) &&
+        pthread_create(&thread, NULL, keep_beating, NULL) == 0) {
+        pthread_setname_np(thread, "beat");
+        pthread_detach(thread);
+        atomic_store(&beat.there, true);
+    }
+}
+
+void pel_beat(void)
+{
+    if (permitted || !atomic_load_explicit(&beat.there, memory_order_relaxed)) {
+        return;
+    }
+    atomic_store(&beat.until_ns, pel_now_ns() + PEL_BEAT_NS);
+    if (atomic_load(&beat.rests)) {
+        /* Without the lock, which who waits here must not wait for: one that
+         * comes just before the wait is lost, and the next one is not. */
+        pthread_cond_signal(&beat.asked);
+    }
+}
+
+unsigned long pel_beats(void)
+{
+    return atomic_load(&beat.count);
+}
+
+/* --- the process ---------------------------------------------------------- */
+
 static void nothing(gpointer task, gpointer user)
 {
     (void)task;
@@ -67,6 +138,9 @@ enum pel_err pel_urgent_init(enum pel_realtime mode, bool *real,
     begin_pools();
     permitted = mode != PEL_REALTIME_OFF && try_real_time();
     *real = permitted;
+    if (!permitted) {
+        begin_beat();
+    }
     if (mode == PEL_REALTIME_ON && !permitted) {
         return pel_fault_set(fault, PEL_ERR_IO,
                              "--realtime on: the system does not permit it; "

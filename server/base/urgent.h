@@ -1,12 +1,14 @@
 /* Threads whose answers a client waits for, beside threads that compute. Linux
  * with lazy preemption lets a thread that was woken wait for the next tick, 1
- * to 10 ms, while another computes on its core, whatever their nice values; two
- * ways around that:
+ * to 10 ms, while another computes on its core, whatever their nice values;
+ * three ways around that:
  *
  * - real time (SCHED_RR, where the system permits it) for the few threads that
  *   answer, for a bounded share of their time;
  * - a nudge: an interrupt to the cores where this process computes, on the
- *   return from which the kernel schedules anew. */
+ *   return from which the kernel schedules anew;
+ * - a beat: nudges each millisecond while clients ask, where the system does
+ * not permit real time. */
 #pragma once
 
 #include <stdbool.h>
@@ -46,6 +48,14 @@ void pel_urgent_account(struct pel_urgent *self);
 bool pel_urgent_credit(struct pel_urgent *self, int64_t wall_ns,
                        int64_t cpu_ns);
 
-/* Interrupts the cores where other threads of this process run; a few
- * microseconds. Any thread. */
+/* Interrupts the cores where other threads of this process run; some
+ * microseconds, 15 on a virtual machine. Any thread. */
 void pel_nudge(void);
+
+/* A client has asked and is likely to ask again: the beat goes on for
+ * PEL_BEAT_NS. Nothing where real time is permitted, and before
+ * pel_urgent_init. Microseconds; any thread. */
+#define PEL_BEAT_NS 300000000
+void pel_beat(void);
+/* Beats so far. */
+unsigned long pel_beats(void);

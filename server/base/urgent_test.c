@@ -132,6 +132,55 @@ static void the_system_agrees(void **state)
     pel_nudge();
 }
 
+/* Waits until there are more beats than `before`, or for `ms`. */
+static bool beats_beyond(unsigned long before, int ms)
+{
+    const struct timespec rest = { .tv_nsec = NS_MS };
+    for (int i = 0; i < ms && pel_beats() <= before; i++) {
+        nanosleep(&rest, NULL);
+    }
+    return pel_beats() > before;
+}
+
+static void beats_while_clients_ask(void **state)
+{
+    (void)state;
+    bool real;
+    struct pel_fault fault;
+    assert_int_equal(pel_urgent_init(PEL_REALTIME_OFF, &real, &fault), PEL_OK);
+    assert_false(beats_beyond(0, 50)); /* nobody has asked */
+    for (int round = 0; round < 2; round++) {
+        unsigned long before = pel_beats();
+        for (int i = 0; i < 20;
+             i++) { /* one that comes before the wait is lost */
+            pel_beat();
+            if (beats_beyond(before, 500)) {
+                break;
+            }
+        }
+        assert_true(pel_beats() > before);
+        /* It ends PEL_BEAT_NS after the last. */
+        const struct timespec end = { .tv_nsec = 2 * PEL_BEAT_NS };
+        nanosleep(&end, NULL);
+        unsigned long last = pel_beats();
+        assert_false(beats_beyond(last, 100));
+    }
+}
+
+static void real_time_needs_no_beat(void **state)
+{
+    (void)state;
+    bool real;
+    struct pel_fault fault;
+    assert_int_equal(pel_urgent_init(PEL_REALTIME_AUTO, &real, &fault), PEL_OK);
+    if (!real) {
+        skip(); /* not permitted here */
+    }
+    unsigned long before = pel_beats();
+    pel_beat();
+    assert_false(beats_beyond(before, 50));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -139,6 +188,8 @@ int main(void)
         cmocka_unit_test(greedy_threads_have_a_burst),
         cmocka_unit_test(bursts_leave_the_share),
         cmocka_unit_test(the_system_agrees),
+        cmocka_unit_test(beats_while_clients_ask),
+        cmocka_unit_test(real_time_needs_no_beat),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -218,6 +218,7 @@ void pel_surface_pool_push(struct pel_surface_pool *self,
 {
     query->mail.kind = PEL_MAIL_SURFACE;
     query->begun = query->answered = 0;
+    pel_beat();
     pthread_mutex_lock(&self->lock);
     pel_queue_push(&self->queue, &query->mail);
     atomic_store(&self->hurry, true);
