@@ -200,15 +200,16 @@ static void note_loss(struct pel_renderloop *loop, double ms, uint64_t again)
     l->worst_ms = ms > l->worst_ms ? ms : l->worst_ms;
     l->fallen_back = atomic_load(&loop->device_now) == 1;
     pthread_mutex_unlock(&loop->lock);
-    static struct pel_log_limit limit;
+    /* What is lost for good is told of however lately it came back. */
+    static struct pel_log_limit back, gone;
     if (loop->renderer) {
-        pel_log_limited(&limit, PEL_LOG_WARNING, "FRM-010",
+        pel_log_limited(&back, PEL_LOG_WARNING, "FRM-010",
                         "the device was lost; %s draws after %.0f ms, %llu "
                         "pictures again",
                         loop->devices[atomic_load(&loop->device_now)], ms,
                         (unsigned long long)again);
     } else {
-        pel_log_limited(&limit, PEL_LOG_WARNING, "FRM-012",
+        pel_log_limited(&gone, PEL_LOG_WARNING, "FRM-012",
                         "device %u (%s) was lost%s; the others draw for it, "
                         "%llu pictures again",
                         loop->device, loop->devices[0],
