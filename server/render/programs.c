@@ -457,22 +457,24 @@ enum pel_err pel_programs_need_together(struct pel_programs *all,
     return err;
 }
 
-static enum pel_err make_common(struct pel_programs *p, struct pel_fault *fault)
+enum pel_err pel_programs_need_alone(struct pel_programs *p,
+                                     struct pel_fault *fault)
 {
-    enum pel_err err =
-        pel_program_create(p->shader_dir, "surface.vert", "surface.frag", NULL,
-                           &p->surface, fault);
-    if (err == PEL_OK) {
+    enum pel_err err = PEL_OK;
+    if (!p->surface) {
+        err = pel_program_create(p->shader_dir, "surface.vert", "surface.frag",
+                                 NULL, &p->surface, fault);
+    }
+    if (err == PEL_OK && !p->tone) {
         err = pel_program_create(p->shader_dir, "screen.vert", "tone.frag",
                                  pel_light_defines(p->light), &p->tone, fault);
     }
     return err;
 }
 
-enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
-                               bool software, const char *shading,
-                               const struct pel_filtering *filtering,
-                               struct pel_fault *fault)
+void pel_programs_init(struct pel_programs *p, const char *shader_dir,
+                       bool software, const char *shading,
+                       const struct pel_filtering *filtering)
 {
     bool automatic = !shading || strcmp(shading, "auto") == 0;
     *p = (struct pel_programs){
@@ -482,7 +484,6 @@ enum pel_err pel_programs_init(struct pel_programs *p, const char *shader_dir,
         .compute = automatic ? !software : strcmp(shading, "compute") == 0,
         .automatic = automatic,
     };
-    return make_common(p, fault);
 }
 
 enum pel_err pel_programs_take_light(struct pel_programs *p,
@@ -519,7 +520,7 @@ enum pel_err pel_programs_take_light(struct pel_programs *p,
     if (p->textured != textured) {
         pel_programs_texture(p, textured);
     }
-    return p->tone ? PEL_OK : make_common(p, fault);
+    return PEL_OK;
 }
 
 static void finish_light(struct pel_programs *p)

@@ -115,12 +115,10 @@ struct pel_programs {
 GLuint *pel_programs_cloudscape(struct pel_programs *p);
 
 /* `shading` as in pel_renderer_options; `filtering`, settled, outlives the
- * programs. GPU when one does not compile. */
-PEL_CHECK enum pel_err pel_programs_init(struct pel_programs *p,
-                                         const char *shader_dir, bool software,
-                                         const char *shading,
-                                         const struct pel_filtering *filtering,
-                                         struct pel_fault *fault);
+ * programs. */
+void pel_programs_init(struct pel_programs *p, const char *shader_dir,
+                       bool software, const char *shading,
+                       const struct pel_filtering *filtering);
 void pel_programs_finish(struct pel_programs *p);
 
 /* Whether objects are textured: forgets the programs that show them. */
@@ -130,6 +128,10 @@ void pel_programs_texture(struct pel_programs *p, bool textured);
  * are kept. GPU, NO_MEMORY. */
 PEL_CHECK enum pel_err pel_programs_take_light(struct pel_programs *p,
                                                enum pel_programs_light light,
+                                               struct pel_fault *fault);
+
+/* What a view that is drawn by itself wants of all kinds of sea. GPU. */
+PEL_CHECK enum pel_err pel_programs_need_alone(struct pel_programs *p,
                                                struct pel_fault *fault);
 
 /* The place of a backdrop's program. */

@@ -74,6 +74,9 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
         goto fail;
     }
     r->wavefield.on_processor = r->context.software;
+    if (!r->context.software) { /* which compiles what it draws with first */
+        pel_program_side_by_side();
+    }
     pel_turn_count(!r->context.software);
     glCreateVertexArrays(1, &r->vao);
     glBindVertexArray(r->vao);
@@ -90,11 +93,8 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
         goto fail;
     }
     err = pel_sky_init(&r->sky, r->shader_dir, fault);
-    if (err == PEL_OK) {
-        err =
-            pel_programs_init(&r->programs, r->shader_dir, r->context.software,
-                              o->shading, &r->filtering, fault);
-    }
+    pel_programs_init(&r->programs, r->shader_dir, r->context.software,
+                      o->shading, &r->filtering);
     pel_meter_init(&r->meter);
     if (err != PEL_OK) {
         goto fail;
@@ -262,11 +262,8 @@ static enum pel_err need_light(struct pel_renderer *r,
                                struct pel_fault *fault)
 {
     enum pel_err err = pel_sky_need(&r->sky, env, r->shader_dir, fault);
-    if (err == PEL_OK) {
-        err = pel_cloud_map_need(&r->clouds, env, r->shader_dir, fault);
-    }
     return err ? err
-               : pel_meter_need(&r->meter, env, false, r->shader_dir, fault);
+               : pel_cloud_map_need(&r->clouds, env, r->shader_dir, fault);
 }
 
 /* What an eye that water may reach wants more. */
@@ -373,6 +370,11 @@ static enum pel_err need_view(struct pel_renderer *r,
             return err;
         }
     }
+    enum pel_err err =
+        pel_meter_need(&r->meter, env, false, r->shader_dir, fault);
+    if (err == PEL_OK) {
+        err = pel_programs_need_alone(&r->programs, fault);
+    }
     double height_m = eye_height(env, draw), meter_m = meter_height(env, draw);
     struct pel_camera here = draw->camera;
     here.altitude_m -= env->sea_level_m;
@@ -383,7 +385,9 @@ static enum pel_err need_view(struct pel_renderer *r,
     const unsigned all = pel_view_layers(r, env, draw, late);
     const unsigned layers = pel_view_at_once(env, draw, all, late);
     r->programs.above = pel_view_above_clouds(env, here.altitude_m);
-    enum pel_err err = share < 1 ? need_low(r, env, layers, fault) : PEL_OK;
+    if (err == PEL_OK && share < 1) {
+        err = need_low(r, env, layers, fault);
+    }
     if (err == PEL_OK && share > 0) {
         err = pel_space_need_view(r, env, height_m, layers, fault);
     }
@@ -456,6 +460,9 @@ static enum pel_err need_programs(struct pel_renderer *r,
     for (size_t i = 0; i < count && err == PEL_OK; i++) {
         err = need_view(r, env, &draws[i], &fault);
     }
+    if (err == PEL_OK) {
+        err = pel_program_settle(&fault);
+    }
     if (err != PEL_OK) {
         pel_error("RND-040", "a view was not drawn: %s", fault.message);
     }
@@ -521,6 +528,9 @@ enum pel_err pel_renderer_submit(struct pel_renderer *r,
     }
     struct pel_environment here = *env;
     order_lights(&here);
+    if (r->drew) { /* or a lost device's context would end 0.2 s later */
+        pel_program_one_by_one();
+    }
     /* Not in the turn: who makes programs, at first and after a loss, takes
      * some fifty milliseconds; nor is a renderer's first frame, which takes
      * thirty, most of it while the driver makes what its calls have named. */

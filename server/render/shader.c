@@ -16,6 +16,7 @@
 #define MOST_FILES 128
 #define MOST_NAME 64
 #define LOOK_NS 1000000000
+#define MOST_COMPILERS 16       /* threads */
 #define MOST_PROGRAMS (1 << 16) /* what a driver numbers higher stays */
 
 static const struct pel_shader_source *find_source(const char *name)
@@ -125,6 +126,15 @@ static void log_compiler_words(const char *name, const char *words)
     }
 }
 
+static GLenum stage_of(const char *name)
+{
+    const char *suffix = strrchr(name, '.');
+    return strcmp(suffix, ".vert") == 0   ? GL_VERTEX_SHADER
+           : strcmp(suffix, ".frag") == 0 ? GL_FRAGMENT_SHADER
+                                          : GL_COMPUTE_SHADER;
+}
+
+/* Begins to compile; how it went has to be asked for. */
 static enum pel_err compile(const char *dir, const char *name,
                             const char *defines, GLuint *out,
                             struct pel_fault *fault)
@@ -140,83 +150,108 @@ static enum pel_err compile(const char *dir, const char *name,
         return pel_fault_set(fault, PEL_ERR_NOT_FOUND, "no shader %s in %s",
                              name, dir ? dir : "the program");
     }
-    const char *suffix = strrchr(name, '.');
-    GLenum stage = strcmp(suffix, ".vert") == 0   ? GL_VERTEX_SHADER
-                   : strcmp(suffix, ".frag") == 0 ? GL_FRAGMENT_SHADER
-                                                  : GL_COMPUTE_SHADER;
     /* #version must stay first: the defines go behind its line. */
     const char *body = strchr(text, '\n') + 1;
     const char *parts[] = { text, defines ? defines : "", body };
     GLint lengths[] = { (GLint)(body - text), (GLint)strlen(parts[1]),
                         (GLint)strlen(body) };
-    GLuint shader = glCreateShader(stage);
-    glShaderSource(shader, 3, parts, lengths);
-    glCompileShader(shader);
+    *out = glCreateShader(stage_of(name));
+    glShaderSource(*out, 3, parts, lengths);
+    glCompileShader(*out);
     free(loaded);
-    GLint ok = 0;
-    glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
-    if (!ok) {
-        char words[2048] = "";
-        glGetShaderInfoLog(shader, sizeof words, NULL, words);
-        log_compiler_words(name, words);
-        glDeleteShader(shader);
-        return pel_fault_set(fault, PEL_ERR_GPU, "%s does not compile: %.160s",
-                             name, words);
-    }
-    *out = shader;
     return PEL_OK;
 }
 
-/* Compiles and links into `program`. */
-static enum pel_err build(const char *shader_dir, const char *first,
-                          const char *second, const char *defines,
-                          GLuint program, struct pel_fault *fault)
+static enum pel_err check_shader(GLuint shader, const char *name,
+                                 struct pel_fault *fault)
 {
-    GLuint shaders[2] = { 0, 0 };
-    enum pel_err err = compile(shader_dir, first, defines, &shaders[0], fault);
-    if (err == PEL_OK && second) {
-        err = compile(shader_dir, second, defines, &shaders[1], fault);
+    GLint ok = 0;
+    glGetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+    if (ok) {
+        return PEL_OK;
     }
-    if (err == PEL_OK) {
-        for (int i = 0; i < 2; i++) {
-            if (shaders[i]) {
-                glAttachShader(program, shaders[i]);
-            }
-        }
-        glLinkProgram(program);
-        for (int i = 0; i < 2; i++) {
-            if (shaders[i]) {
-                glDetachShader(program, shaders[i]); /* or it is kept with it */
-            }
-        }
-        GLint ok = 0;
-        glGetProgramiv(program, GL_LINK_STATUS, &ok);
-        if (!ok) {
-            char words[2048] = "";
-            glGetProgramInfoLog(program, sizeof words, NULL, words);
-            log_compiler_words(first, words);
-            err = pel_fault_set(fault, PEL_ERR_GPU, "%s does not link: %.160s",
-                                first, words);
-        }
-    }
-    for (int i = 0; i < 2; i++) {
-        glDeleteShader(shaders[i]); /* 0 is none */
-    }
-    return err;
+    char words[2048] = "";
+    glGetShaderInfoLog(shader, sizeof words, NULL, words);
+    log_compiler_words(name, words);
+    return pel_fault_set(fault, PEL_ERR_GPU, "%s does not compile: %.160s",
+                         name, words);
 }
 
-/* --- programs of the current context ------------------------------------- */
+static enum pel_err check_program(GLuint program, const char *name,
+                                  struct pel_fault *fault)
+{
+    GLint ok = 0;
+    glGetProgramiv(program, GL_LINK_STATUS, &ok);
+    if (ok) {
+        return PEL_OK;
+    }
+    char words[2048] = "";
+    glGetProgramInfoLog(program, sizeof words, NULL, words);
+    log_compiler_words(name, words);
+    return pel_fault_set(fault, PEL_ERR_GPU, "%s does not link: %.160s", name,
+                         words);
+}
 
 /* As pel_program_create was given it. */
 struct recipe {
     const char *dir, *first, *second, *defines;
 };
 
+static void delete_shaders(GLuint program, GLuint shaders[2])
+{
+    for (int i = 0; i < 2; i++) {
+        if (shaders[i]) {
+            glDetachShader(program, shaders[i]); /* or it is kept with it */
+            glDeleteShader(shaders[i]);
+            shaders[i] = 0;
+        }
+    }
+}
+
+/* Begins to compile and link into `program`; finish_build asks how it went. */
+static enum pel_err begin_build(const struct recipe *r, GLuint program,
+                                GLuint shaders[2], struct pel_fault *fault)
+{
+    enum pel_err err =
+        compile(r->dir, r->first, r->defines, &shaders[0], fault);
+    if (err == PEL_OK && r->second) {
+        err = compile(r->dir, r->second, r->defines, &shaders[1], fault);
+    }
+    for (int i = 0; i < 2; i++) {
+        if (shaders[i]) {
+            glAttachShader(program, shaders[i]);
+        }
+    }
+    if (err == PEL_OK) {
+        glLinkProgram(program);
+    } else {
+        delete_shaders(program, shaders);
+    }
+    return err;
+}
+
+static enum pel_err finish_build(const struct recipe *r, GLuint program,
+                                 GLuint shaders[2], struct pel_fault *fault)
+{
+    enum pel_err err = check_shader(shaders[0], r->first, fault);
+    if (err == PEL_OK && r->second) {
+        err = check_shader(shaders[1], r->second, fault);
+    }
+    if (err == PEL_OK) {
+        err = check_program(program, r->first, fault);
+    }
+    delete_shaders(program, shaders);
+    return err;
+}
+
+/* --- programs of the current context ------------------------------------- */
+
 struct held {
     struct recipe recipe;
     char *defines; /* its own; NULL: not held */
     int64_t used_ns;
     bool loaded;
+    GLuint shaders[2]; /* of one that is being compiled, else 0 */
 };
 
 /* By the programs' names; a thread has one context. */
@@ -226,7 +261,12 @@ static _Thread_local struct {
     unsigned loaded;
     int64_t look_ns; /* when to look for what is too much */
     bool failed;
+    bool side_by_side; /* programs are compiled, while others are asked for */
+    unsigned compiling;
 } table;
+/* One did not compile so: from then on they are made one by one, which says
+ * what can be done without. */
+static atomic_bool one_by_one;
 static atomic_uint all_loaded, most_loaded = PEL_PROGRAM_MOST;
 static _Atomic double most_idle_s = PEL_PROGRAM_IDLE_S;
 
@@ -261,12 +301,20 @@ static void count_loaded(struct held *h, bool loaded)
     }
 }
 
+/* Of one that is being compiled what is to be asked for is not any more. */
+static void let_go(struct held *h, GLuint program)
+{
+    table.compiling -= h->shaders[0] != 0;
+    delete_shaders(program, h->shaders);
+}
+
 /* Its name stays, since whoever made it has that; a program that does nothing
  * takes the place of what the driver keeps of it. */
 static void unload(GLuint program)
 {
     static const char *const nothing =
         "#version 450\nlayout(local_size_x = 1) in;\nvoid main() {}\n";
+    let_go(held_of(program), program);
     GLuint shader = glCreateShader(GL_COMPUTE_SHADER);
     glShaderSource(shader, 1, &nothing, NULL);
     glCompileShader(shader);
@@ -305,30 +353,82 @@ static void mark_used(struct held *h, GLuint program)
     }
 }
 
-static enum pel_err load(const struct recipe *r, GLuint program,
-                         struct pel_fault *fault)
+/* What is kept of a program under; NULL: it is not, as a folder's shaders may
+ * change, or there is no memory. free() it. */
+static char *key_of(const struct recipe *r)
 {
-    /* A folder's shaders may change. */
     char *key = NULL;
     if (r->dir || asprintf(&key, "%s %s %s", r->first,
                            r->second ? r->second : "", r->defines) < 0) {
-        key = NULL;
+        return NULL;
     }
+    return key;
+}
+
+static void label(const struct recipe *r, GLuint program)
+{
+    glObjectLabel(GL_PROGRAM, program, -1, r->second ? r->second : r->first);
+}
+
+static enum pel_err finish_load(const struct recipe *r, GLuint program,
+                                GLuint shaders[2], struct pel_fault *fault)
+{
+    enum pel_err err = finish_build(r, program, shaders, fault);
+    char *key = err == PEL_OK ? key_of(r) : NULL;
+    if (key) {
+        pel_binaries_keep(key, program);
+    }
+    free(key);
+    label(r, program);
+    return err;
+}
+
+/* Its shaders are 0 when it is there, and what finish_load has to be told else.
+ */
+static enum pel_err begin_load(const struct recipe *r, GLuint program,
+                               GLuint shaders[2], struct pel_fault *fault)
+{
+    char *key = key_of(r);
     enum pel_err err = PEL_OK;
+    shaders[0] = shaders[1] = 0;
     if (!key || !pel_binaries_link(key, program)) {
         glProgramParameteri(program, GL_PROGRAM_BINARY_RETRIEVABLE_HINT,
                             key != NULL);
-        err = build(r->dir, r->first, r->second, r->defines, program, fault);
-        if (err == PEL_OK && key) {
-            pel_binaries_keep(key, program);
-        }
+        err = begin_build(r, program, shaders, fault);
+    } else {
+        label(r, program);
     }
     free(key);
     return err;
 }
 
-/* Without memory it is not held, and stays loaded. */
-static void hold(const struct recipe *recipe, GLuint program)
+static enum pel_err load(const struct recipe *r, GLuint program,
+                         struct pel_fault *fault)
+{
+    GLuint shaders[2];
+    enum pel_err err = begin_load(r, program, shaders, fault);
+    return err == PEL_OK && shaders[0] ? finish_load(r, program, shaders, fault)
+                                       : err;
+}
+
+/* Waits for one that is being compiled. */
+static enum pel_err settle(struct held *h, GLuint program,
+                           struct pel_fault *fault)
+{
+    if (!h->shaders[0]) {
+        return PEL_OK;
+    }
+    table.compiling--;
+    enum pel_err err = finish_load(&h->recipe, program, h->shaders, fault);
+    if (err != PEL_OK) {
+        table.failed = true;
+        atomic_store(&one_by_one, true);
+    }
+    return err;
+}
+
+/* Without memory it is not held, and stays loaded: NULL. */
+static struct held *hold(const struct recipe *recipe, GLuint program)
 {
     if (program >= table.count) {
         GLuint count = program + 64;
@@ -336,7 +436,7 @@ static void hold(const struct recipe *recipe, GLuint program)
                                  ? realloc(table.at, count * sizeof *grown)
                                  : NULL;
         if (!grown) {
-            return;
+            return NULL;
         }
         memset(grown + table.count, 0, (count - table.count) * sizeof *grown);
         table.at = grown;
@@ -346,10 +446,12 @@ static void hold(const struct recipe *recipe, GLuint program)
     *held =
         (struct held){ .recipe = *recipe, .defines = strdup(recipe->defines) };
     held->recipe.defines = held->defines;
-    if (held->defines) {
-        count_loaded(held, true);
-        mark_used(held, program);
+    if (!held->defines) {
+        return NULL;
     }
+    count_loaded(held, true);
+    mark_used(held, program);
+    return held;
 }
 
 enum pel_err pel_program_create(const char *shader_dir, const char *first,
@@ -358,30 +460,71 @@ enum pel_err pel_program_create(const char *shader_dir, const char *first,
 {
     const struct recipe recipe = { shader_dir, first, second,
                                    defines ? defines : "" };
-    GLuint program = glCreateProgram();
-    enum pel_err err = load(&recipe, program, fault);
+    GLuint program = glCreateProgram(), shaders[2];
+    enum pel_err err = begin_load(&recipe, program, shaders, fault);
+    struct held *held = err == PEL_OK ? hold(&recipe, program) : NULL;
+    if (held && shaders[0] && table.side_by_side && !shader_dir &&
+        !atomic_load(&one_by_one)) {
+        memcpy(held->shaders, shaders, sizeof shaders);
+        table.compiling++;
+    } else if (err == PEL_OK && shaders[0]) {
+        err = finish_load(&recipe, program, shaders, fault);
+    }
     if (err != PEL_OK) {
-        glDeleteProgram(program);
+        pel_program_delete(program);
         program = 0;
-    } else {
-        glObjectLabel(GL_PROGRAM, program, -1, second ? second : first);
-        hold(&recipe, program);
     }
     *out = program;
+    return err;
+}
+
+static void take_compilers(GLuint threads)
+{
+    if (epoxy_has_gl_extension("GL_KHR_parallel_shader_compile")) {
+        glMaxShaderCompilerThreadsKHR(threads);
+    } else if (epoxy_has_gl_extension("GL_ARB_parallel_shader_compile")) {
+        glMaxShaderCompilerThreadsARB(threads);
+    }
+}
+
+void pel_program_side_by_side(void)
+{
+    take_compilers(MOST_COMPILERS);
+    table.side_by_side = true;
+}
+
+void pel_program_one_by_one(void)
+{
+    if (table.side_by_side) {
+        take_compilers(0);
+        table.side_by_side = false;
+    }
+}
+
+enum pel_err pel_program_settle(struct pel_fault *fault)
+{
+    enum pel_err err = PEL_OK;
+    for (GLuint i = 1; i < table.count && table.compiling > 0; i++) {
+        struct held *h = held_of(i);
+        enum pel_err own = h ? settle(h, i, err ? NULL : fault) : PEL_OK;
+        err = err ? err : own;
+    }
     return err;
 }
 
 void pel_program_use(GLuint program)
 {
     struct held *h = held_of(program);
+    struct pel_fault fault = { 0 };
+    enum pel_err err = h ? settle(h, program, &fault) : PEL_OK;
     if (h && !h->loaded) {
-        struct pel_fault fault = { 0 };
-        if (load(&h->recipe, program, &fault) != PEL_OK) {
-            pel_error("RND-047", "a program could not be made again: %s",
-                      fault.message);
-            table.failed = true;
-        }
+        err = load(&h->recipe, program, &fault);
+        table.failed |= err != PEL_OK;
         count_loaded(h, true);
+    }
+    if (err != PEL_OK) {
+        pel_error("RND-047", "a program could not be made again: %s",
+                  fault.message);
     }
     if (h) {
         mark_used(h, program);
@@ -389,8 +532,9 @@ void pel_program_use(GLuint program)
     glUseProgram(program);
 }
 
-static void drop(struct held *h)
+static void drop(struct held *h, GLuint program)
 {
+    let_go(h, program);
     count_loaded(h, false);
     free(h->defines);
     *h = (struct held){ 0 };
@@ -415,7 +559,7 @@ void pel_program_delete(GLuint program)
 {
     struct held *h = held_of(program);
     if (h) {
-        drop(h);
+        drop(h, program);
     }
     glDeleteProgram(program);
 }
@@ -424,7 +568,7 @@ void pel_program_forget_all(void)
 {
     for (GLuint i = 0; i < table.count; i++) {
         if (table.at[i].defines) {
-            drop(&table.at[i]);
+            drop(&table.at[i], i);
         }
     }
     free(table.at);
@@ -432,4 +576,6 @@ void pel_program_forget_all(void)
     table.count = 0;
     table.look_ns = 0;
     table.failed = false;
+    table.side_by_side = false;
+    table.compiling = 0;
 }

@@ -38,6 +38,16 @@ PEL_CHECK enum pel_err pel_program_create(const char *shader_dir,
                                           struct pel_fault *fault);
 void pel_program_delete(GLuint program); /* 0 is none */
 
+/* Programs that are created from now on in this context may still be compiled
+ * when pel_program_create is back, several at a time, where the driver does
+ * that. Not those of a folder. A context that ends waits for the driver's
+ * threads, so: until they are not wanted any more, which takes as long. */
+void pel_program_side_by_side(void);
+void pel_program_one_by_one(void);
+/* Waits for them. GPU, as pel_program_create, of the first that fails; then
+ * pel_program_failed, and the next context's are made one by one. */
+PEL_CHECK enum pel_err pel_program_settle(struct pel_fault *fault);
+
 /* Whether shading reads waves and mesh from storage buffers of their own: on
  * hardware that has bindings for them, of which OpenGL promises eight. */
 bool pel_sea_is_stored(bool software);

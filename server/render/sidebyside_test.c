@@ -43,6 +43,16 @@ static void pictures_are_the_same(void **state)
     struct pel_picture *p = draw(renderer);
     assert_memory_equal(p->rgba, bits, sizeof bits);
     pel_picture_release(p);
+    /* From the second picture on they are not. */
+    pel_picture_release(draw(renderer));
+    struct pel_fault fault = { 0 };
+    GLuint late;
+    GLint shaders = 1;
+    assert_int_equal(make("#define TEST_LATE\n", &late, &fault), PEL_OK);
+    glGetProgramiv(late, GL_ATTACHED_SHADERS, &shaders);
+    assert_int_equal(shaders, 0);
+    pel_program_delete(late);
+    pel_program_side_by_side();
     assert_false(pel_renderer_lost(renderer));
 }
 
@@ -56,11 +66,13 @@ static void some_are_used_and_deleted_before(void **state)
     assert_int_equal(make("#define TEST_USED\n", &used, &fault), PEL_OK);
     assert_int_equal(make("#define TEST_DELETED\n", &deleted, &fault), PEL_OK);
     assert_int_equal(make("#define TEST_SETTLED\n", &settled, &fault), PEL_OK);
+    GLint shaders = 0;
+    glGetProgramiv(settled, GL_ATTACHED_SHADERS, &shaders);
+    assert_int_equal(shaders, 1); /* it is not waited for yet */
     pel_program_use(used);
     pel_program_use(0);
     pel_program_delete(deleted);
     assert_int_equal(pel_program_settle(&fault), PEL_OK);
-    GLint shaders = 1;
     glGetProgramiv(settled, GL_ATTACHED_SHADERS, &shaders);
     assert_int_equal(shaders, 0); /* it was waited for */
     glGetProgramiv(settled, GL_LINK_STATUS, &ok);
