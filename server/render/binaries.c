@@ -48,6 +48,14 @@ static void discard(struct binary *b)
     }
 }
 
+bool pel_binaries_any(void)
+{
+    pthread_mutex_lock(&lock);
+    bool any = kept != NULL;
+    pthread_mutex_unlock(&lock);
+    return any;
+}
+
 bool pel_binaries_link(const char *key, GLuint program)
 {
     uint64_t driver = driver_number();

@@ -13,6 +13,9 @@
  * is nothing, or the driver wants it compiled. */
 bool pel_binaries_link(const char *key, GLuint program);
 
+/* Whether any is kept: some renderer of the process has had its programs. */
+bool pel_binaries_any(void);
+
 /* Keeps a linked program that had GL_PROGRAM_BINARY_RETRIEVABLE_HINT. Without
  * memory, or where the driver gives no binaries, nothing is kept. */
 void pel_binaries_keep(const char *key, GLuint program);

@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "render/acuity.h"
 #include "render/arena.h"
+#include "render/binaries.h"
 #include "render/context.h"
 #include "render/foammap.h"
 #include "render/mesh.h"
@@ -74,7 +75,9 @@ enum pel_err pel_renderer_create(const struct pel_renderer_options *o,
         goto fail;
     }
     r->wavefield.on_processor = r->context.software;
-    if (!r->context.software) { /* which compiles what it draws with first */
+    /* Software compiles what it draws with first; and after a loss there are
+     * binaries. */
+    if (!r->context.software && !pel_binaries_any()) {
         pel_program_side_by_side();
     }
     pel_turn_count(!r->context.software);
