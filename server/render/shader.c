@@ -568,6 +568,8 @@ void pel_program_forget_all(void)
 {
     for (GLuint i = 0; i < table.count; i++) {
         if (table.at[i].defines) {
+            /* They end with the context, which may be gone. */
+            memset(table.at[i].shaders, 0, sizeof table.at[i].shaders);
             drop(&table.at[i], i);
         }
     }
