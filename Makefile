@@ -656,6 +656,11 @@ page-access: deps ## axe over every state of the page at three sizes, phones, ke
 	$(Q)node tests/page/page_access_test.mjs
 	$(Q)node tests/page/page_phone_test.mjs
 
+.PHONY: attacks
+attacks: deps ## attacks by a watch token while an instructor works, ATTACK_SECONDS (10) each: a table of waits (ARGS='hls_left …')
+	$(Q)$(MAKE) -s --no-print-directory all
+	$(Q)/usr/bin/python3 -B tests/soak/attacks.py $(ARGS)
+
 .PHONY: chaos
 chaos: deps ## all faults at once for CHAOS_SECONDS (3600) by CHAOS_SEED (1), and what was promised meanwhile
 	$(Q)$(MAKE) -s --no-print-directory all
