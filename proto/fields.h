@@ -12,8 +12,9 @@ struct pel_field {
     const char *unit; /* "m/s"; "1": a pure number; NULL: none */
     bool ranged;      /* minimum and maximum hold, both inclusive */
     double minimum, maximum;
-    bool key;        /* names an element of a list */
-    const char *doc; /* sentence of the schema, without the bracket */
+    bool key;            /* names an element of a list */
+    unsigned most_bytes; /* of a text: PEL_BOUND_TEXT_BYTES or its own */
+    const char *doc;     /* sentence of the schema, without the bracket */
 };
 
 struct pel_field_table {

@@ -152,7 +152,9 @@ class Document:
         if proto.type == F.TYPE_BYTES:
             return {"type": "string", "contentEncoding": "base64"}
         if proto.type == F.TYPE_STRING:
-            return {"type": "string"}
+            return {"type": "string"} if not field.most_bytes else {
+                "type": "string",
+                "maxLength": fields.BOUNDS[field.most_bytes]}
         if proto.type in LONG:
             return {"type": "string", "pattern": "^-?[0-9]+$"}
         real = proto.type in (F.TYPE_DOUBLE, F.TYPE_FLOAT)

@@ -1,5 +1,4 @@
 #include "ranges.h"
-#include "bounds.h"
 
 #include <glib.h>
 #include <math.h>
@@ -12,8 +11,6 @@
 #include "message.h"
 
 #define PATH_SIZE 192
-#define MAX_TEXT PEL_BOUND_TEXT_BYTES
-#define MAX_NUMBERS 512
 
 static enum pel_err check_number(const struct pel_field *info, const char *path,
                                  double value, struct pel_fault *fault)
@@ -41,27 +38,15 @@ static enum pel_err check_number(const struct pel_field *info, const char *path,
     return pel_fault_refuse(PEL_ERR_OUT_OF_RANGE, path, text, what, fault);
 }
 
-/* Of the forms of text that there are, how long it may be. */
-static size_t most_bytes(const struct pel_field *info, const char **what)
-{
-    if (!info->unit) {
-        *what = "is longer than 64 bytes";
-        return MAX_TEXT;
-    }
-    if (strcmp(info->unit, "JSON") == 0) {
-        *what = "is longer than 4096 bytes";
-        return PEL_BOUND_PRESET_BYTES;
-    }
-    *what = "is longer than 512 bytes"; /* a list of numbers */
-    return MAX_NUMBERS;
-}
-
 static enum pel_err check_text(const struct pel_field *info, const char *path,
                                const char *text, struct pel_fault *fault)
 {
     size_t length = strlen(text);
-    const char *what = NULL, *longer;
-    if (length > most_bytes(info, &longer)) {
+    char longer[64];
+    const char *what = NULL;
+    if (length > info->most_bytes) {
+        g_snprintf(longer, sizeof longer, "is %zu bytes long; at most %u",
+                   length, info->most_bytes);
         what = longer;
     } else if (!g_utf8_validate(text, (gssize)length, NULL)) {
         what = "is not UTF-8";

@@ -6,9 +6,9 @@
 #include "base/err.h"
 
 /* Every value of `message`, whose path is `path` (""; "a.b"), in its range and
- * finite, enums known, texts of at most 64 bytes of printable UTF-8, lists of
- * numbers, which have a unit, of 512. On refusal *fault (NULL allowed) names
- * path, value, unit and range. */
+ * finite, enums known, texts of printable UTF-8 and at most as long as the
+ * schema says. On refusal *fault (NULL allowed) names path, value, unit and
+ * range. */
 PEL_CHECK enum pel_err pel_message_check(const ProtobufCMessage *message,
                                          const char *path,
                                          struct pel_fault *fault);

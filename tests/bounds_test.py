@@ -162,6 +162,35 @@ class Requests(Case):
                     {"id": 1, "name": "a" * size}]}})
                 self.assertEqual(reply.HasField("state"), good, reply)
 
+    def long_text(self, bound, state, good, more="x"):
+        """state(text): a text of this many bytes is taken as one."""
+        with self.rises(bound) as most:
+            session = self.session()
+            for size in (most, most + 1):
+                message = session.ask(patch={"state": state(
+                    good + more * (size - len(good)))}).error.message
+                self.assertEqual(f"{size} bytes long; at most {most}"
+                                 in message, size > most, message)
+
+    def test_FILE_BYTES(self):
+        for state in (lambda t: {"seabed": {"file": t}},
+                      lambda t: {"sky": {"file": t}},
+                      lambda t: {"sea": {"synthesiser": "FFT",
+                                         "spectrum": "JONSWAP",
+                                         "field": {"file": t}}},
+                      lambda t: {"sea": {"measured": t}},
+                      lambda t: {"entities": [{"id": 9,
+                                               "model": {"name": t}}]}):
+            self.long_text("FILE_BYTES", state, "folder/")
+
+    def test_METAR_BYTES(self):
+        self.long_text("METAR_BYTES", lambda t: {"sky": {"metar": t}},
+                       "EHAM 231355Z 24020KT RMK ")
+
+    def test_NUMBERS_BYTES(self):
+        self.long_text("NUMBERS_BYTES", lambda t: {"sea": {"areas": [
+            {"corners": t}]}}, "0 0, 400 0, 300 150", " ")
+
     def test_VIEWS(self):
         with self.rises("VIEWS") as most:
             session = self.session()

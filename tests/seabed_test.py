@@ -118,6 +118,21 @@ class Seabed(unittest.TestCase):
                 # centimetres, and a second resampling through UTM
                 self.assertAlmostEqual(depth, want, delta=0.02, msg=name)
 
+    def test_names_as_long_as_files_have(self):
+        longest = "tiefe-\u00fc_" * 27 + ".tif"
+        longest = "x" * (255 - len(longest.encode())) + longest
+        self.assertEqual(len(longest.encode()), 255)
+        shutil.copy(os.path.join(self.folder, "geographic.tif"),
+                    os.path.join(self.folder, longest))
+        self.choose(file=longest)
+        self.assertEqual(self.daemon.get("/v1/state").json()["seabed"]["file"],
+                         longest)
+        self.assertAlmostEqual(self.points([[0, 0]])[0]["depth"],
+                               -height(52.6, 5.2), delta=0.02)
+        answer = self.daemon.patch({"seabed": {"file": "x" + longest}})
+        self.assertEqual(answer.status, 400, answer)
+        self.assertIn("at most 255 bytes", answer.body.decode())
+
     def test_a_simulator_finds_land(self):
         self.choose(file="geographic.tif")
         # 4 km east of the origin is land; a slope

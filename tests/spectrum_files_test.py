@@ -231,6 +231,14 @@ class Files(unittest.TestCase):
         self.check(want[:2] + (None,),
                    "nodir")
 
+    def test_names_with_marks_and_of_any_length(self):
+        want = moments(F, FROM, SEAS["two"] * 10)
+        for name in ("buoy#3.ww3", "s\u00fcd " + "x" * 240 + ".ww3"):
+            shutil.copy(os.path.join(self.folder, "made.ww3"),
+                        os.path.join(self.folder, name))
+            self.check(want, name + "#two")
+            self.assertIn("one", self.sea(name).body.decode())
+
     def test_what_is_not_there_is_listed(self):
         for measured, time, words in (
                 ("made.ww3", None, ("one", "two", "#")),

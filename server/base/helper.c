@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <poll.h>
 #include <signal.h>
 #include <spawn.h>
@@ -298,9 +299,13 @@ static bool well_formed(const char *file)
         if (*name == '.' || *name == '-' || *name == '/' || !*name) {
             return false;
         }
-        name = strchr(name, '/');
-        if (!name) {
-            return strlen(file) <= 200;
+        size_t length = strcspn(name, "/");
+        if (length > NAME_MAX) {
+            return false;
+        }
+        name += length;
+        if (!*name) {
+            return true;
         }
     }
 }
@@ -311,8 +316,9 @@ enum pel_err pel_helper_find(const char *directory, const char *file,
     struct stat is;
     if (!well_formed(file)) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "%.80s: it must be the path of a file below "
-                             "%.80s, without names that begin with . or -",
+                             "%.60s: it must be the path of a file below "
+                             "%.60s, of names of at most 255 bytes that do "
+                             "not begin with . or -",
                              file, directory);
     }
     if (snprintf(path, 4096, "%s/%s", directory, file) >= 4096 ||

@@ -28,6 +28,7 @@
 #define PEL_MODEL_MOST_EYES 16
 #define PEL_MODEL_LEVELS 5
 #define PEL_MODEL_NAME 64
+#define PEL_MODEL_FILE 513 /* of the whole: a built-in's name, or its file */
 #define PEL_MODEL_MOST_SIZE_M 1000.0 /* in any direction */
 
 enum pel_model_class {
@@ -110,7 +111,7 @@ struct pel_model_column {
 
 struct pel_model {
     uint64_t serial; /* no two of a process have the same */
-    char name[PEL_MODEL_NAME];
+    char name[PEL_MODEL_FILE];
     enum pel_model_class class;
     size_t vertex_count, index_count;
     const struct pel_model_vertex *vertices;

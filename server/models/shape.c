@@ -416,7 +416,7 @@ static bool copy_array(const void **to, const void *from, size_t size,
 static bool copy_rest(const struct pel_shape *s, struct pel_model_draft *out)
 {
     struct pel_model *m = &out->model;
-    memcpy(m->name, s->name, sizeof m->name);
+    memcpy(m->name, s->name, sizeof s->name);
     m->class = s->class;
     m->material_count = s->material_count;
     m->node_count = s->node_count;

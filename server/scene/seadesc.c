@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/helper.h"
 #include "base/reserve.h"
 #include "fault.h"
 #include "ocean/directional.h"
@@ -89,6 +90,27 @@ static char *record_of(const Pelagos__State *state)
                : NULL;
 }
 
+/* Splits FILE#STATION, where FILE may have a # of its own: it is the shortest
+ * that there is, or what stands before the first #. */
+static char *station_of(const char *spectra, char *name)
+{
+    char path[4096];
+    char *first = strchr(name, '#'), *mark = first;
+    while (mark) {
+        *mark = '\0';
+        if (pel_helper_find(spectra, name, path, NULL) == PEL_OK) {
+            return mark + 1;
+        }
+        *mark = '#';
+        mark = strchr(mark + 1, '#');
+    }
+    if (!first || pel_helper_find(spectra, name, path, NULL) == PEL_OK) {
+        return name + strlen(name);
+    }
+    *first = '\0';
+    return first + 1;
+}
+
 static enum pel_err read_record(const Pelagos__Sea *sea, const char *spectra,
                                 struct pel_measured *out,
                                 struct pel_fault *fault)
@@ -111,10 +133,10 @@ static enum pel_err read_record(const Pelagos__Sea *sea, const char *spectra,
     }
     const char *name = sea->measured ? sea->measured : "";
     if (strchr(name, '.')) { /* a buoy's name has no dot */
-        g_auto(GStrv) parts = g_strsplit(name, "#", 2);
-        err =
-            pel_spectrum_file_read(spectra, parts[0], parts[1] ? parts[1] : "",
-                                   unix_s, out, NULL, fault);
+        g_autofree char *file = g_strdup(name);
+        char *station = station_of(spectra, file);
+        err = pel_spectrum_file_read(spectra, file, station, unix_s, out, NULL,
+                                     fault);
     } else {
         err = pel_ndbc_read(spectra, name, unix_s, out, NULL, fault);
     }

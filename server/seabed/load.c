@@ -17,8 +17,7 @@ static enum pel_err check(const struct pel_seabed_source *s, char path[4096],
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
                              "seabed.file needs pelagosd --bathymetry");
     }
-    if (strchr(s->file, '/') || s->file[0] == '.' || s->file[0] == '-' ||
-        strlen(s->file) > 200) {
+    if (strchr(s->file, '/') || s->file[0] == '.' || s->file[0] == '-') {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "seabed.file must be the name of a file in the "
                              "directory of pelagosd --bathymetry, without /");

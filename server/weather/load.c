@@ -15,8 +15,7 @@ static enum pel_err check(const char *directory, const char *file,
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
                              "sea.field.file needs pelagosd --weather");
     }
-    if (strchr(file, '/') || file[0] == '.' || file[0] == '-' ||
-        strlen(file) > 200) {
+    if (strchr(file, '/') || file[0] == '.' || file[0] == '-') {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "sea.field.file must be the name of a file in the "
                              "directory of pelagosd --weather, without /");

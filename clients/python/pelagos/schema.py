@@ -175,7 +175,8 @@ class Area(Record):
     #: Radius of a circle. [m; 1 to 100000]
     radius: float = _field(100.0, 'm', 1, 100000)
     #: Corners of a polygon instead, 3 to 16, east and north of the place, as
-    #: "0 0, 400 0, 300 150", or 0:0,400:0,300:150; absent: a circle. [m]
+    #: "0 0, 400 0, 300 150", or 0:0,400:0,300:150; absent: a circle. [m; at
+    #: most 512 bytes]
     corners: str | None = _field(None, 'm')
     #: What the short waves' heights are times. [1; 0 to 2]
     factor: float = _field(0.3, '1', 0, 2)
@@ -200,7 +201,7 @@ class WeatherField(Record):
     read."""
     #: File in the directory of pelagosd --weather: GRIB or NetCDF with wind at
     #: 10 m and, if it has them, height, period and direction of waves, by
-    #: time.
+    #: time. [at most 512 bytes]
     file: str | None = _field(None)
     #: Added to the simulated UTC before the file is asked. [s; -10000000000 to
     #: 10000000000]
@@ -271,7 +272,8 @@ class Sea(Record):
     #: its significant height; not kept. [1; 0 to 9]
     douglas: float | None = _field(None, '1', 0, 9)
     #: Of the spectrum MEASURED, in the directory of pelagosd --spectra: an
-    #: NDBC STATION, or FILE.nc#STATION of other forms (docs/numbers.md).
+    #: NDBC STATION, or FILE.nc#STATION of other forms (docs/numbers.md). [at
+    #: most 512 bytes]
     measured: str | None = _field(None)
     #: UTC of the record, ISO 8601, the nearest within 90 minutes; absent:
     #: newest.
@@ -470,7 +472,8 @@ class Sky(Record):
     #: Picture in the directory of pelagosd --panoramas that stands for the
     #: whole sky, by day and night, without Moon and stars: OpenEXR or Radiance
     #: .hdr, linear Rec. 709, of equal steps of azimuth and elevation, twice as
-    #: wide as high, horizon in the middle; absent: the computed sky.
+    #: wide as high, horizon in the middle; absent: the computed sky. [at most
+    #: 512 bytes]
     file: str | None = _field(None)
     #: Luminance of the value 1 in the picture. [cd/m2; 1e-06 to 1000000]
     fileScale: float = _field(179.0, 'cd/m2', 1e-06, 1000000)
@@ -478,7 +481,7 @@ class Sky(Record):
     fog: tuple[Fog, ...] = ()
     #: METAR or SPECI of an aerodrome, as "EHAM 231355Z 24015KT 4000 -RA BKN012
     #: 12/09 Q1003": sets wind, visibility, fog, rain, snow and clouds by it;
-    #: not kept.
+    #: not kept. [at most 512 bytes]
     metar: str | None = _field(None)
     #: Rain: it takes visibility, raises ring waves, and calms short waves and
     #: whitecaps. [mm/h; 0 to 150]
@@ -507,7 +510,8 @@ class Sky(Record):
 class Model(Record):
     """The shape of an entity, drawn on the sea."""
     #: A built-in model (`tanker`), or a file of the directory of pelagosd
-    #: --models (`ferry/ferry.glb`): GET /v1/models lists both.
+    #: --models (`ferry/ferry.glb`): GET /v1/models lists both. [at most 512
+    #: bytes]
     name: str | None = _field(None)
     #: Length over all; absent: the model's own. What is absent of the next
     #: three follows it. [m; 0.1 to 1000]
@@ -657,7 +661,7 @@ class SignalLamp(Record):
 class Entity(Record):
     """A body that moves: own ship, target, buoy. Its pose is given at poseTime
     and reckoned onward from speed, course and turn rate."""
-    #: Number that names the entity.
+    #: Number that names the entity. [0 to 65535]
     id: int | None = _field(None, None, 0, 65535)
     #: Name for people; also accepted in paths where it is unique.
     name: str | None = _field(None)
@@ -1036,7 +1040,8 @@ class Seabed(Record):
     #: File in the directory of pelagosd --bathymetry: GeoTIFF, NetCDF
     #: (EMODnet, GEBCO), HDF5, BAG, ENVI, ESRI .hdr or ASCII grid, or OpenEXR,
     #: that needs no file of another name; absent: water.depth everywhere. Of
-    #: more than 2048 x 2048 heights those about the origin are taken.
+    #: more than 2048 x 2048 heights those about the origin are taken. [at most
+    #: 512 bytes]
     file: str | None = _field(None)
     #: One of ELEVATION, DEPTH.
     values: str = _field('ELEVATION',
@@ -1071,7 +1076,7 @@ class Preset(Record):
     title: str | None = _field(None)
     #: The change: a merge patch of State in JSON, as PATCH /v1/state takes it,
     #: of at most 4096 bytes; tested when it is saved and, by what there is
-    #: then, when it is made. [JSON]
+    #: then, when it is made. [JSON; at most 4096 bytes]
     patch: str | None = _field(None, 'JSON')
 
 

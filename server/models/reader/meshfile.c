@@ -41,10 +41,10 @@ struct import {
 /* The file `name` means, seen from the mesh's own folder: itself, or one of its
  * last part in that folder, whatever the case of its letters. */
 static bool find_picture(const struct import *in, const char *name,
-                         char out[1024])
+                         char out[4096])
 {
-    char folder[512];
-    snprintf(folder, sizeof folder, "%s", in->request->path);
+    char folder[2048];
+    snprintf(folder, sizeof folder, "%.2000s", in->request->path);
     *strrchr(folder, '/') = '\0';
     char plain[256];
     snprintf(plain, sizeof plain, "%.255s", name);
@@ -52,7 +52,7 @@ static bool find_picture(const struct import *in, const char *name,
         *p = *p == '\\' ? '/' : *p;
     }
     int fd;
-    snprintf(out, 1024, "%s/%s", folder, plain);
+    snprintf(out, 4096, "%s/%s", folder, plain);
     if (plain[0] != '/' && pel_file_open(out, &fd, NULL) == PEL_OK) {
         close(fd);
         return true;
@@ -63,7 +63,7 @@ static bool find_picture(const struct import *in, const char *name,
     for (struct dirent *e; listing && !found && (e = readdir(listing));) {
         found = strcasecmp(e->d_name, last) == 0;
         if (found) {
-            snprintf(out, 1024, "%s/%s", folder, e->d_name);
+            snprintf(out, 4096, "%s/%s", folder, e->d_name);
         }
     }
     if (listing) {
@@ -96,7 +96,7 @@ static enum pel_err decode(struct import *in, const char *name, int *out,
 {
     const struct aiTexture *inside = embedded(in, name);
     struct pel_model_texture texture;
-    char path[1024], *bytes = NULL;
+    char path[4096], *bytes = NULL;
     const uint8_t *from = NULL;
     size_t size = 0;
     *out = -1;

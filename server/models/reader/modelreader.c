@@ -67,13 +67,13 @@ int main(int argc, char **argv)
     struct pel_model_draft draft;
     struct pel_mesh_notes notes = { "" };
     struct pel_fault fault = { 0 };
-    char name[512];
+    char name[4096];
     if (!read_arguments(argc, argv, &request)) {
         fprintf(stderr, "usage: pelagos-model DIRECTORY FILE BOW UP SCALE "
                         "LENGTH DRAUGHT\n");
         return 2;
     }
-    snprintf(name, sizeof name, "./%.500s", argv[2]);
+    snprintf(name, sizeof name, "./%.4000s", argv[2]);
     request.path = name;
     const char *readable[] = { ".", NULL };
     pel_reader_begin(

@@ -53,7 +53,7 @@ int main(int argc, char **argv)
     struct pel_raster_request request = { 0 };
     struct pel_raster_field field;
     struct pel_fault fault = { 0 };
-    char name[512];
+    char name[4096];
     unsigned char head[PEL_SEABED_WIRE_HEAD];
     if (!read_arguments(argc, argv, &request)) {
         fprintf(stderr, "usage: pelagos-seabed LATITUDE LONGITUDE "
@@ -62,7 +62,7 @@ int main(int argc, char **argv)
         return 2;
     }
     /* No name is one of GDAL's prefixes then. */
-    snprintf(name, sizeof name, "./%.500s", request.path);
+    snprintf(name, sizeof name, "./%.4000s", request.path);
     request.path = name;
     const char *readable[PEL_GDAL_MOST_PLACES + 2] = { "." };
     pel_raster_prepare(readable + 1);

@@ -36,13 +36,13 @@ int main(int argc, char **argv)
 {
     struct pel_weather_grid grid;
     struct pel_fault fault = { 0 };
-    char path[512];
+    char path[4096];
     if (argc != 3) {
         fprintf(stderr, "usage: pelagos-weather DIRECTORY FILE\n");
         return 2;
     }
     /* No name is one of GDAL's prefixes then. */
-    snprintf(path, sizeof path, "./%.500s", argv[2]);
+    snprintf(path, sizeof path, "./%.4000s", argv[2]);
     const char *readable[PEL_GDAL_MOST_PLACES + 2] = { path };
     pel_forecast_prepare(readable + 1);
     pel_reader_begin(
