@@ -96,30 +96,40 @@ static bool take_time(const char *g)
            number(g + 2, 2) <= 23 && number(g + 4, 2) <= 59;
 }
 
-static bool take_wind(const char *g, struct pel_metar *m)
+/* Two or three digits, with P before them where it is more than that. */
+static bool take_speed(const char **g, double *out)
 {
-    bool variable = strncmp(g, "VRB", 3) == 0;
-    if (like(g, "/////KT") || like(g, "/////MPS") || like(g, "/////")) {
-        return true;
-    }
-    if (!variable && (digits(g) < 5 || number(g, 3) > 360)) {
-        return false;
-    }
-    double direction = variable ? 0 : number(g, 3);
-    g += 3;
-    int n = digits(g);
+    *g += **g == 'P';
+    int n = digits(*g);
     if (n < 2 || n > 3) {
         return false;
     }
-    double speed = number(g, n), gust = 0;
-    g += n;
-    if (*g == 'G') {
-        n = digits(++g);
-        if (n < 2 || n > 3) {
-            return false;
-        }
-        gust = number(g, n);
-        g += n;
+    *out = number(*g, n);
+    *g += n;
+    return true;
+}
+
+static bool take_wind(const char *g, struct pel_metar *m)
+{
+    bool variable = strncmp(g, "VRB", 3) == 0;
+    bool unknown = strncmp(g, "///", 3) == 0;
+    if (like(g, "/////KT") || like(g, "/////MPS") || like(g, "/////") ||
+        like(g, "###//KT") || like(g, "###//MPS")) {
+        return true;
+    }
+    if (!variable && !unknown && (digits(g) < 3 || number(g, 3) > 360)) {
+        return false;
+    }
+    double direction = variable || unknown ? 0 : number(g, 3);
+    double speed, gust = 0;
+    g += 3;
+    if (!take_speed(&g, &speed)) {
+        return false;
+    }
+    if (strncmp(g, "G//", 3) == 0) {
+        g += 3;
+    } else if (*g == 'G' && (g++, !take_speed(&g, &gust))) {
+        return false;
     }
     double unit = strcmp(g, "KT") == 0    ? KNOT
                   : strcmp(g, "MPS") == 0 ? 1
@@ -129,7 +139,7 @@ static bool take_wind(const char *g, struct pel_metar *m)
         return false;
     }
     m->has_wind = true;
-    m->has_direction = !variable && speed > 0;
+    m->has_direction = !variable && !unknown && speed > 0;
     m->direction_deg = direction;
     m->wind_mps = unit * speed;
     m->gust_mps = unit * gust;
@@ -171,32 +181,59 @@ static bool take_metres(const char *g, struct pel_metar *m)
     return false;
 }
 
-/* Statute miles: 10SM, 1/2SM, M1/4SM, P6SM; `whole` went before, as in 1 1/2SM.
- */
+/* A fraction below 1, before which a whole number may stand without a blank, as
+ * automatic stations write it: 1/2, 11/16, 11/2 for 1 1/2, 103/4 for 10 3/4. */
+static bool take_fraction(const char **g, double *out)
+{
+    int n = digits(*g), over = 0, under = 0;
+    const char *below = *g + n + 1;
+    int places = n > 0 && (*g)[n] == '/' ? digits(below) : 0;
+    if (n > 3 || places < 1 || places > 2) {
+        return false;
+    }
+    under = number(below, places);
+    *out = 0;
+    over = number(*g, n);
+    if (over >= under && n > 1) {
+        *out = number(*g, n - 1);
+        over = number(*g + n - 1, 1);
+    }
+    if (over < 1 || over >= under) {
+        return false;
+    }
+    *out += (double)over / under;
+    *g = below + places;
+    return true;
+}
+
+/* Statute miles: 10SM, 1/2SM, 11/2SM, M1/4SM, P6SM; `whole` went before, as in
+ * 1 1/2SM. Kilometres: 10KM. */
 static bool take_miles(const char *g, int whole, struct pel_metar *m)
 {
+    double far = 0;
     bool more = *g == 'P';
-    g += *g == 'P' || *g == 'M';
-    int n = digits(g);
-    if (n < 1 || n > 2) {
-        return false;
+    if (like(g, "////SM")) {
+        return true;
     }
-    double miles = number(g, n);
-    g += n;
-    if (*g == '/') {
-        n = digits(++g);
-        if (n < 1 || n > 2 || number(g, n) == 0) {
+    g += *g == 'P' || *g == 'M';
+    if (take_fraction(&g, &far)) {
+        if (whole && far >= 1) {
             return false;
         }
-        miles = whole + miles / number(g, n);
+        far += whole;
+    } else {
+        int n = digits(g);
+        if (n < 1 || n > 2 || whole) {
+            return false;
+        }
+        far = number(g, n);
         g += n;
-    } else if (whole) {
+    }
+    if (strcmp(g, "SM") != 0 && strcmp(g, "KM") != 0) {
         return false;
     }
-    if (strcmp(g, "SM") != 0) {
-        return false;
-    }
-    set_visibility(m, miles * MILE, more || miles >= 10);
+    far *= *g == 'S' ? MILE : 1000;
+    set_visibility(m, far, more || far >= 1e4);
     return true;
 }
 
@@ -206,7 +243,8 @@ static bool take_runway(const char *g)
     size_t name = slash ? (size_t)(slash - g) : 0;
     return *g == 'R' && digits(g + 1) == 2 && (name == 3 || name == 4) &&
            (name == 3 || strchr("LCR", g[3])) && strlen(slash) >= 5 &&
-           strspn(slash + 1, "0123456789/MPVFTUDN") == strlen(slash + 1);
+           (strspn(slash + 1, "0123456789/MPVFTUDN") == strlen(slash + 1) ||
+            strncmp(slash, "/CLRD", 5) == 0 || strcmp(slash, "/SNOCLO") == 0);
 }
 
 enum how { LIGHT, MODERATE, HEAVY };
@@ -227,6 +265,9 @@ static void take_phenomenon(const char *kind, const char *as, bool near,
 {
     static const char *const frozen = "SN SG PL IC";
     bool shower = strstr(as, "SH") || strstr(as, "TS");
+    if (strstr(as, "DR") || strstr(as, "BL")) {
+        return; /* the wind raises it: nothing falls */
+    }
     if (near) {
         m->fog = strcmp(kind, "FG") == 0 ? PEL_METAR_PATCHES : m->fog;
     } else if (strcmp(kind, "RA") == 0 || strcmp(kind, "DZ") == 0 ||
@@ -287,6 +328,20 @@ static bool take_weather(const char *g, struct pel_metar *m)
     return true;
 }
 
+static bool is_genus(const char *g)
+{
+    static const char *const genera[] = { "CB",  "TCU",  "///", "CU", "SC",
+                                          "ST",  "NS",   "AS",  "AC", "CI",
+                                          "CS",  "CC",   "CF",  "SF", "CUFRA",
+                                          "ACC", "STFRA" };
+    for (size_t i = 0; i < sizeof genera / sizeof *genera; i++) {
+        if (strcmp(g, genera[i]) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static bool take_cloud(const char *g, struct pel_metar *m)
 {
     static const struct {
@@ -318,7 +373,7 @@ static bool take_cloud(const char *g, struct pel_metar *m)
         }
         kind = h + 3;
         bool cb = strcmp(kind, "CB") == 0, tcu = strcmp(kind, "TCU") == 0;
-        if (*kind && !cb && !tcu && strcmp(kind, "///") != 0) {
+        if (*kind && !is_genus(kind)) {
             return false;
         }
         m->has_clouds |= covers[i].octas > 0;
@@ -389,7 +444,8 @@ static bool take_pressure(const char *g, struct pel_metar *m)
 
 static bool ends_it(const char *g)
 {
-    static const char *const words[] = { "RMK", "NOSIG", "BECMG", "TEMPO" };
+    static const char *const words[] = { "RMK",   "NOSIG",  "BECMG", "TEMPO",
+                                         "INTER", "PROB30", "PROB40" };
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         if (strcmp(g, words[i]) == 0) {
             return true;
@@ -398,14 +454,52 @@ static bool ends_it(const char *g)
     return false;
 }
 
+/* The sea as aerodromes on the coast give it: W19/S4, WM01/S3, W///H17. */
+static bool take_sea(const char *g)
+{
+    if (*g++ != 'W') {
+        return false;
+    }
+    g += *g == 'M';
+    if (digits(g) != 2 && strncmp(g, "//", 2) != 0) {
+        return false;
+    }
+    g += 2;
+    size_t rest = strspn(g, "/SH0123456789");
+    return *g == '/' && (g[1] == 'S' || g[1] == 'H') && rest == strlen(g) &&
+           rest <= 6;
+}
+
+/* What airfields of armed forces give of their weather in a colour. */
+static bool take_colour(const char *g)
+{
+    static const char *const colours[] = { "BLU",  "BLU+", "WHT", "GRN", "YLO",
+                                           "YLO1", "YLO2", "AMB", "RED" };
+    bool black = strncmp(g, "BLACK", 5) == 0;
+    g += black ? 5 : 0;
+    for (size_t i = 0; i < sizeof colours / sizeof *colours; i++) {
+        if (strcmp(g, colours[i]) == 0) {
+            return true;
+        }
+    }
+    return black && !*g;
+}
+
 static bool take_after(const char *g)
 {
+    static const char *const words[] = { "WS",       "ALL",    "RWY",
+                                         "TKOF",     "LDG",    "$",
+                                         "R/SNOCLO", "SNOCLO", "RVRNO" };
     struct pel_metar aside = { .has_wind = false };
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        if (strcmp(g, words[i]) == 0) {
+            return true;
+        }
+    }
     return (strncmp(g, "RE", 2) == 0 && take_weather(g + 2, &aside)) ||
-           strcmp(g, "WS") == 0 || strcmp(g, "ALL") == 0 ||
-           strcmp(g, "RWY") == 0 || like(g, "R##") || like(g, "R##@") ||
-           like(g, "W##/S#") || like(g, "WM##/S#") || like(g, "W##/H##") ||
-           take_runway(g);
+           like(g, "R##") || like(g, "R##@") || like(g, "RWY##") ||
+           like(g, "RWY##@") || like(g, "########") || take_sea(g) ||
+           take_colour(g) || take_runway(g);
 }
 
 /* --- the report ----------------------------------------------------------- */
@@ -415,13 +509,15 @@ static bool take_at(enum stage stage, const char *g, int *whole,
 {
     switch (stage) {
     case TYPE:
-        return strcmp(g, "METAR") == 0 || strcmp(g, "SPECI") == 0;
+        return strcmp(g, "METAR") == 0 || strcmp(g, "SPECI") == 0 ||
+               strcmp(g, "COR") == 0;
     case STATION:
         return take_station(g);
     case WHEN:
         return take_time(g);
     case HOW:
-        return strcmp(g, "AUTO") == 0 || strcmp(g, "COR") == 0;
+        return strcmp(g, "AUTO") == 0 || strcmp(g, "COR") == 0 ||
+               strcmp(g, "RTD") == 0 || like(g, "CC@") || like(g, "RR@");
     case WIND:
         return take_wind(g, m);
     case VARIABLE:
@@ -458,11 +554,32 @@ static bool take_at(enum stage stage, const char *g, int *whole,
     return false;
 }
 
+/* The kind of a group: in the order of the code, or, as some stations send
+ * them, behind groups that should follow it, where none of its kind has been.
+ * STAGES: none. */
+static enum stage kind_of(enum stage from, unsigned seen, const char *g,
+                          int *whole, struct pel_metar *m)
+{
+    enum stage at = from;
+    while (at < STAGES && !take_at(at, g, whole, m)) {
+        if (at == STATION || *whole) {
+            return STAGES;
+        }
+        at++;
+    }
+    for (enum stage s = WIND; at == STAGES && s < from && s <= PRESSURE; s++) {
+        if (!(seen & 1u << s) && take_at(s, g, whole, m)) {
+            at = s;
+        }
+    }
+    return at;
+}
+
 /* Whether groups of this kind come more than once. */
 static bool repeats(enum stage s)
 {
-    return s == VISIBILITY || s == RUNWAY || s == WEATHER || s == CLOUD ||
-           s == PRESSURE || s == AFTER;
+    return s == TYPE || s == HOW || s == VISIBILITY || s == RUNWAY ||
+           s == WEATHER || s == CLOUD || s == PRESSURE || s == AFTER;
 }
 
 static enum pel_err refuse(const char *group, const char *what,
@@ -487,7 +604,8 @@ enum pel_err pel_metar_parse(const char *text, struct pel_metar *out,
     static const char *const space = " \t\r\n";
     char group[32];
     enum stage stage = TYPE;
-    int whole = 0, seen = 0;
+    int whole = 0;
+    unsigned seen = 0; /* a bit a stage */
     *out = (struct pel_metar){ .has_wind = false };
     if (strlen(text) > PEL_METAR_MOST) {
         return refuse(NULL, "is longer than 512 bytes", fault);
@@ -505,20 +623,21 @@ enum pel_err pel_metar_parse(const char *text, struct pel_metar *out,
             out->ignored++;
             break;
         }
-        enum stage at = stage;
-        while (length && at < STAGES && !take_at(at, group, &whole, out)) {
-            at = at == STATION || whole ? STAGES : at + 1;
+        if (length) {
+            enum stage from = whole ? VISIBILITY : stage;
+            enum stage at = kind_of(from, seen, group, &whole, out);
+            if (at == STAGES) {
+                return wrong(from, group, fault);
+            }
+            seen |= 1u << at;
+            at = repeats(at) ? at : at + 1;
+            stage = at > stage ? at : stage;
         }
-        if (at >= STAGES) {
-            return wrong(stage, group, fault);
-        }
-        seen += at == STATION;
-        stage = repeats(at) ? at : at + 1;
         if (end) {
             break;
         }
     }
-    if (!seen) {
+    if (!(seen & 1u << STATION)) {
         return refuse(NULL, "has no station, as EHAM", fault);
     }
     if (whole) {

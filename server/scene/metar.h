@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "base/err.h"
+#include "bounds.h"
 
 enum pel_metar_fog {
     PEL_METAR_NO_FOG,
@@ -35,7 +36,7 @@ struct pel_metar {
 };
 
 /* Longest text, bytes. */
-#define PEL_METAR_MOST 512
+#define PEL_METAR_MOST PEL_BOUND_METAR_BYTES
 
 /* Reads a report, all or nothing. INVALID: *fault (NULL allowed) names
  * sky.metar, the group, and what may stand there; *out is undefined. */

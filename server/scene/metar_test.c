@@ -62,10 +62,63 @@ static const struct {
       false, false },
     { "METAR YSSY 140300Z AUTO /////KT //// // ///////// 24/12 Q////", NO, 0,
       NO, NO, -1, 0, 24, 12, NO, PEL_METAR_NO_FOG, false, false, false },
+    { "KDEN 281855Z FEW029TCU FEW040 SCT250 09008KT 7SM 32/25 A3008 RMK VIRGA "
+      "E TCU NE AND DSNT ALQDS SLP186 T03170250 10328 20267 58007 PK WND "
+      "10026/1812",
+      KT(8), 0, 90, 11265.408, 4, 7620, 32, 25, 1018.63, PEL_METAR_NO_FOG,
+      false, false, false },
+    { "METAR COR CYYT 130800Z CCA /////KT", NO, 0, NO, NO, -1, 0, NO, NO, NO,
+      PEL_METAR_NO_FOG, false, false, false },
+    { "METAR ENVA 130850Z ///12G25KT 3000 DRSN BLSN FEW008CB SCT012/// "
+      "BKN020CU M02/M05 Q0978 88290592 W///S3 WS TKOF RWY23L BLACKAMB NOSIG",
+      KT(12), KT(25), NO, 3000, 6, 609.6, -2, -5, 978, PEL_METAR_NO_FOG, false,
+      false, false },
     { "METAR CYHZ 110900Z 21005KT M1/4SM R05/1000FT/N VCFG VV/// 09/09 A3001",
       KT(5), 0, 210, 402.336, 0, 0, 9, 9, 1016.25, PEL_METAR_PATCHES, false,
       false, false },
 };
+
+/* Forms of visibility, metres. */
+static const struct {
+    const char *text;
+    double metres;
+    bool ten_km;
+} seen[] = {
+    { "1/2SM", 804.672, false },
+    { "1 1/2SM", 2414.016, false },
+    { "11/2SM", 2414.016, false },
+    { "21/4SM", 3621.024, false },
+    { "113/4SM", 18909.792, true },
+    { "11/16SM", 1106.424, false },
+    { "M1/4SM", 402.336, false },
+    { "P6SM", 9656.064, true },
+    { "10SM", 16093.44, true },
+    { "6KM", 6000, false },
+    { "10KM", 10000, true },
+    { "9999NDV", 10000, true },
+    { "0800SW", 800, false },
+    { "2000 0600NE", 2000, false },
+    { "0SM", 0, false },
+    { "CAVOK", 10000, true },
+};
+
+static void sees_as_far_as_was_said(void **state)
+{
+    (void)state;
+    for (size_t i = 0; i < sizeof seen / sizeof *seen; i++) {
+        char text[80];
+        struct pel_metar m;
+        struct pel_fault fault = { 0 };
+        snprintf(text, sizeof text, "KXYZ 130853Z 24010KT %s 10/08 A3001",
+                 seen[i].text);
+        print_message("%s\n", text);
+        if (pel_metar_parse(text, &m, &fault)) {
+            fail_msg("%s", fault.message);
+        }
+        assert_true(m.has_visibility && m.ten_km == seen[i].ten_km);
+        assert_true(fabs(m.visibility_m - seen[i].metres) < 1e-6);
+    }
+}
 
 static void is(bool has, double value, double wanted, double within)
 {
@@ -122,7 +175,11 @@ static void refuses_the_rest(void **state)
         { "EHAM 231355Z 24015KT 9999 BKN012XX", "BKN012XX" },
         { "EHAM 231355Z 24015KT 9999 BKN012 09/12", "09/12" },
         { "EHAM 231355Z 24015KT 9999 BKN012 12/09 Q2013", "Q2013" },
-        { "EHAM 231355Z 24015KT BKN012 9999", "9999" },
+        { "EHAM 231355Z 24015KT 9999 BKN012 8000", "8000" },
+        { "EHAM 231355Z BKN012 24015KT 9999 26010KT", "26010KT" },
+        { "EHAM 231355Z 24015KT 12/2SM", "12/2SM" },
+        { "EHAM 231355Z 24015KT 3/2SM", "3/2SM" },
+        { "EHAM 231355Z 24015KT 1 11/2SM", "11/2SM" },
         { "EHAM 231355Z 24015KT 1 BKN012", "BKN012" },
         { "EHAM 231355Z 24015KT 1", "1" },
         { "EHAM 231355Z 24015KT 1/0SM", "1/0SM" },
@@ -152,11 +209,33 @@ static void refuses_the_rest(void **state)
 
 static const Pelagos__Sky *report(struct pel_scene *scene, const char *text)
 {
-    char json[PEL_METAR_MOST];
+    char json[PEL_METAR_MOST + 40];
     snprintf(json, sizeof json, "{\"sky\":{\"metar\":\"%s\"}}", text);
     must(scene, json);
     assert_null(pel_scene_state(scene)->sky->metar);
     return pel_scene_state(scene)->sky;
+}
+
+/* By the state's own way, which bounds texts. */
+static void a_long_report_is_taken(void **state)
+{
+    (void)state;
+    struct pel_scene *scene =
+        make_scene((struct pel_scene_options){ .wave_count = 20 });
+    char text[PEL_METAR_MOST + 2] = "EHAM 231355Z 24020KT 4000 12/09 Q1003 RMK";
+    memset(text + strlen(text), ' ', PEL_METAR_MOST + 1 - strlen(text));
+    text[PEL_METAR_MOST - 1] = 'X';
+    text[PEL_METAR_MOST] = '\0';
+    report(scene, text);
+    assert_true(pel_scene_state(scene)->sea->wind_direction == 240);
+    char json[PEL_METAR_MOST + 40];
+    struct pel_fault fault = { 0 };
+    text[PEL_METAR_MOST] = 'X';
+    snprintf(json, sizeof json, "{\"sky\":{\"metar\":\"%s\"}}", text);
+    assert_int_equal(patch(scene, json, &fault), PEL_ERR_INVALID);
+    assert_string_equal(fault.path, "sky.metar");
+    assert_non_null(strstr(fault.message, "513 bytes long; at most 512"));
+    pel_scene_destroy(scene);
 }
 
 /* It is another way to write fields, which stay when it is gone. */
@@ -253,6 +332,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(says_what_stations_said),
+        cmocka_unit_test(sees_as_far_as_was_said),
+        cmocka_unit_test(a_long_report_is_taken),
         cmocka_unit_test(refuses_the_rest),
         cmocka_unit_test(sets_the_fields),
         cmocka_unit_test(fog_is_checked),
