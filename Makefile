@@ -50,6 +50,7 @@ PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
 NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2 \
     @seriousme/openapi-schema-validator@2.11.0 \
     openapi-typescript@7.4.4 openapi-fetch@0.13.3 typescript@5.6.3 \
+    openapi-typescript-codegen@0.31.0 \
     hyparquet@1.33.0 parquet-wasm@0.8.0 apache-arrow@21.2.0
 # Of the same, embedded in the page and loaded when its sea-state card is
 # opened. A tarball of `make dist` brings it along.

@@ -291,8 +291,16 @@ def route_table():
                   for method, path, _, _, _, body, _, text in routes()])
 
 
+def lax_routes():
+    """Those that ignore parameters which they do not know."""
+    names = [f"`/{path}`" for _, path, flags, *_ in routes()
+             if "ROUTE_LAX" in flags]
+    return [name + "," for name in names[:-1]] + [names[-1] + "."]
+
+
 TABLES = {"@layers@": layer_table, "@formats@": format_table,
-          "@bounds@": bound_table, "@routes@": route_table}
+          "@bounds@": bound_table, "@routes@": route_table,
+          "@lax@": lax_routes}
 
 
 def write_manual(schema, path, template):

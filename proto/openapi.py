@@ -81,6 +81,7 @@ def forms(schema):
     }
 
 
+IGNORED = "X-Pelagos-Ignored"
 HEADERS = {
     "ETag": ("revision of the state, for If-Match", TEXT),
     "X-Pelagos-Frame": ("frame number, counted since the daemon's start",
@@ -93,9 +94,10 @@ HEADERS = {
     "X-Pelagos-Render-Ms": ("drawing [ms]", NUMBER),
     "X-Pelagos-Encode-Ms": ("encoding [ms]", NUMBER),
     "X-Pelagos-Device": ("that drew it, of several from 0", COUNT),
+    IGNORED: ("parameters that are not known here, percent-encoded", TEXT),
 }
 MOMENT = [name for name in HEADERS if name.startswith("X-") and
-          not name.endswith(("-Ms", "-Unix", "-Device"))]
+          not name.endswith(("-Ms", "-Unix", "-Device", "-Ignored"))]
 COST = ["X-Pelagos-Render-Ms", "X-Pelagos-Encode-Ms", "X-Pelagos-Device"]
 TAGGED = ("State", "FieldValue")
 # Answers that are not JSON: type, headers.
@@ -171,7 +173,8 @@ class Document:
             items = out
             if "$ref" in out and field.proto.type == F.TYPE_MESSAGE:
                 items = {"anyOf": [out, {
-                    "type": "array", "description": "its fields in order"}]}
+                    "type": "array", "items": {},
+                    "description": "its fields in order"}]}
             out = {"type": "array", "items": items}
             if patch and self.key_of(field):
                 out = {"anyOf": [out, {
@@ -225,10 +228,14 @@ class Document:
                 for f in self.schema.messages[message][1]
                 if f.proto.type != F.TYPE_MESSAGE]
 
-    @staticmethod
-    def parameter(name, schema, text, place="query"):
+    def parameter(self, name, schema, text, place="query"):
         schema = dict(schema)
         schema.pop("description", None)
+        # A name that generators take its default for, not a type of their own.
+        known = self.schemas.get(schema.get("$ref", "").split("/")[-1])
+        if known:
+            del schema["$ref"]
+            schema = {"type": known["type"], "enum": known["enum"], **schema}
         out = {"name": name, "in": place, "schema": schema}
         if place == "path":
             out["required"] = True
@@ -269,7 +276,8 @@ class Document:
                             "schema": {"type": "object"}})
             else:
                 out.append(self.named(word))
-        return out
+        # A row of routes.def says more than a message's field of that name.
+        return list({p["name"]: p for p in reversed(out)}.values())[::-1]
 
     @staticmethod
     def headers(names):
@@ -379,6 +387,9 @@ class Document:
         answers = self.answer(answer, ending)
         if method == "PUT":
             answers["201"] = dict(answers["200"], description="it is new")
+        if "ROUTE_LAX" in flags and "200" in answers:
+            answers["200"].setdefault("headers", {}).update(
+                self.headers([IGNORED]))
         answers.update(self.refusals(route, path))
         out["responses"] = dict(sorted(answers.items()))
         if "ROUTE_OPEN" in flags:
@@ -421,6 +432,7 @@ class Document:
             "components": {
                 "schemas": dict(sorted(self.schemas.items())),
                 "responses": {"Problem": {"description": "refused",
+                                          "headers": self.headers([IGNORED]),
                                           "content": problem}},
                 "parameters": {
                     "IfMatch": dict(tag, name="If-Match", description=

@@ -1,11 +1,14 @@
 #!/usr/bin/env node
-// A client that a generator makes of /v1/openapi.json: openapi-typescript's
-// types, a program of openapi-fetch that TypeScript checks by them, its calls.
+// /v1/openapi.json as others read it: Redocly's linter; a client of each of two
+// generators, openapi-typescript's types, by which TypeScript checks a program of
+// openapi-fetch and its calls, and openapi-typescript-codegen's, which has to
+// compile as it is.
 //
 // Skipped (77) without these packages.
 import assert from "node:assert/strict";
 import { spawnSync } from "node:child_process";
 import fs from "node:fs";
+import { createRequire } from "node:module";
 import path from "node:path";
 import { after, before, describe, test } from "node:test";
 import { pathToFileURL } from "node:url";
@@ -13,7 +16,9 @@ import { pathToFileURL } from "node:url";
 import { Daemon, folder, ROOT } from "./pelagos_daemon.mjs";
 
 const NPM = path.join(ROOT, "build/npm/node_modules");
-for (const name of ["openapi-typescript", "openapi-fetch", "typescript"]) {
+const CODEGEN = "openapi-typescript-codegen";
+for (const name of ["openapi-typescript", "openapi-fetch", "typescript",
+  CODEGEN]) {
   if (!fs.existsSync(path.join(NPM, name))) {
     console.log(`no ${name}: make deps`);
     process.exit(77);
@@ -99,6 +104,52 @@ describe("a generated client", () => {
   after(async () => {
     await daemon.stop();
     fs.rmSync(work, { recursive: true });
+  });
+
+  test("the document has no fault that Redocly's linter finds", async () => {
+    const { createConfig, lint } = createRequire(path.join(NPM, "x.js"))(
+      "@redocly/openapi-core");
+    const config = await createConfig({ extends: ["recommended"] });
+    const judge = async (document) => {
+      const ref = path.join(work, "judged.json");
+      fs.writeFileSync(ref, JSON.stringify(document));
+      return (await lint({ ref, config })).map(({ ruleId, message }) =>
+        `${ruleId}: ${message}`);
+    };
+    const document = JSON.parse(fs.readFileSync(
+      path.join(work, "openapi.json"), "utf8"));
+    assert.deepEqual(await judge(document), []);
+    const { parameters } = document.paths["/v1/spectrum"].get;
+    parameters.push(parameters[0]);
+    assert.match((await judge(document)).join(), /operation-parameters-unique/);
+  });
+
+  test("every array says what is in it", () => {
+    const walk = (value, at) => {
+      if (value?.type === "array") {
+        assert.ok("items" in value, at);
+      }
+      for (const [key, inner] of Object.entries(value ?? {})) {
+        if (typeof inner === "object") {
+          walk(inner, `${at}/${key}`);
+        }
+      }
+    };
+    walk(JSON.parse(fs.readFileSync(path.join(work, "openapi.json"), "utf8")),
+      "");
+  });
+
+  test("by another generator it compiles as well", () => {
+    const made = run(path.join(NPM, CODEGEN, "bin/index.js"), "--input",
+      "openapi.json", "--output", "other");
+    assert.equal(made.status, 0, made.text);
+    fs.writeFileSync(path.join(work, "other.json"), JSON.stringify({
+      compilerOptions: { strict: true, target: "es2022", module: "esnext",
+        moduleResolution: "bundler", lib: ["es2022", "dom", "dom.iterable"],
+        types: [], skipLibCheck: true, noEmit: true },
+      files: ["other/index.ts"] }));
+    const said = run(path.join(NPM, "typescript/bin/tsc"), "-p", "other.json");
+    assert.equal(said.status, 0, said.text);
   });
 
   test("knows the fields, and no others", () => {

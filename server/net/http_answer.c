@@ -14,6 +14,18 @@
 
 #define STREAM_BLOCK 65536
 #define STREAM_SOCKET_BUFFER (256 * 1024)
+/* What pages of other origins may read of an answer, beside what browsers give
+ * them anyway, and send with a request. */
+#define EXPOSED                                                                \
+    "Location, ETag, Link, Allow, Retry-After, WWW-Authenticate, "             \
+    "X-Pelagos-Ignored, X-Pelagos-Frame, X-Pelagos-Time, "                     \
+    "X-Pelagos-Revision, X-Pelagos-Stale, X-Pelagos-Host-Frame, "              \
+    "X-Pelagos-Unix, X-Pelagos-Render-Ms, X-Pelagos-Encode-Ms, "               \
+    "X-Pelagos-Device"
+#define SENT                                                                   \
+    "Authorization, Content-Type, Accept, If-Match, If-None-Match, Range, "    \
+    "Cache-Control, Pragma, X-Requested-With"
+#define PREFLIGHT_S "600"
 
 int64_t pel_http_after(double s)
 {
@@ -55,7 +67,13 @@ static void add_safety(const struct client *client,
         client->origin ? "cross-origin" : "same-origin");
     if (client->origin) {
         add(response, "Access-Control-Allow-Origin", client->origin);
-        add(response, "Vary", "Origin");
+        add(response, "Access-Control-Expose-Headers", EXPOSED);
+    }
+    if (client->server->context.origins) {
+        add(response, "Vary", "Origin"); /* for caches between */
+    }
+    if (client->ignored[0]) {
+        add(response, "X-Pelagos-Ignored", client->ignored);
     }
     add(response, "Referrer-Policy", "no-referrer");
 }
@@ -105,6 +123,13 @@ enum MHD_Result pel_http_send(struct client *client,
     }
     if (answer->allow) {
         add(response, "Allow", answer->allow);
+    }
+    if (answer->preflight) {
+        add(response, "Access-Control-Allow-Methods", answer->preflight);
+        add(response, "Access-Control-Allow-Headers", SENT);
+        add(response, "Access-Control-Max-Age", PREFLIGHT_S);
+        /* A browser whose page is of the internet asks this too. */
+        add(response, "Access-Control-Allow-Private-Network", "true");
     }
     if (answer->tag[0]) {
         add(response, "ETag", answer->tag);

@@ -47,12 +47,13 @@ struct client {
     uint64_t read;     /* bytes that the library had taken at the last look */
     bool first;        /* nothing has been answered yet */
 
-    char *target;
+    char *target, *authority; /* as struct pel_http_request has them */
     /* In the library's memory, until the head is read: see http_head.h. */
     const char *target_at, *version_at;
     GString *body;
     size_t body_limit;
     const char *origin; /* an allowed one that asks, or NULL */
+    char ignored[200];  /* as struct pel_http_answer has it */
     bool suspended;
     bool of_debrief;   /* the pictures that it asks for */
     bool waiting;      /* for frame or surface */

@@ -101,7 +101,7 @@ static int check_handshake(const struct pel_http_call *call,
     const char *version =
         pel_http_find_header(r, "Sec-WebSocket-Version", NULL);
     const char *origin = pel_http_find_header(r, "Origin", NULL);
-    const char *host = pel_http_find_header(r, "Host", NULL);
+    const char *host = pel_http_host(r);
     if (!has_word(pel_http_find_header(r, "Upgrade", NULL), "websocket") ||
         !has_word(pel_http_find_header(r, "Connection", NULL), "upgrade") ||
         !version || strcmp(version, "13") != 0) {

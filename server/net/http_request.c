@@ -6,6 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
+#include <glib.h>
+
 const char *pel_http_find_header(const struct pel_http_request *request,
                                  const char *name, size_t *count)
 {
@@ -21,6 +23,28 @@ const char *pel_http_find_header(const struct pel_http_request *request,
         *count = found;
     }
     return first;
+}
+
+const char *pel_http_host(const struct pel_http_request *request)
+{
+    return request->authority ? request->authority
+                              : pel_http_find_header(request, "Host", NULL);
+}
+
+const char *pel_http_split_target(const char *target, char **authority)
+{
+    static const char *const schemes[] = { "http://", "https://" };
+    *authority = NULL;
+    for (size_t i = 0; i < 2; i++) {
+        size_t length = strlen(schemes[i]);
+        if (strncasecmp(target, schemes[i], length) == 0) {
+            const char *host = target + length;
+            const char *path = host + strcspn(host, "/?#");
+            *authority = g_strndup(host, (gsize)(path - host));
+            return path;
+        }
+    }
+    return target;
 }
 
 static int hex(char c)
@@ -92,6 +116,10 @@ static bool parse_query(const char *query, const char *end,
         stop = stop ? stop : end;
         const char *equals = memchr(query, '=', (size_t)(stop - query));
         const char *name_end = equals ? equals : stop;
+        if (stop == query) {
+            query++;
+            continue;
+        }
         if (out->query_count == PEL_HTTP_MAX_QUERY) {
             return false;
         }
@@ -101,11 +129,6 @@ static bool parse_query(const char *query, const char *end,
         };
         if (!pair.name || !pair.value || !*pair.name) {
             return false;
-        }
-        for (size_t i = 0; i < out->query_count; i++) {
-            if (strcmp(out->query[i].name, pair.name) == 0) {
-                return false;
-            }
         }
         out->query[out->query_count++] = pair;
         query = stop + (stop < end);
@@ -134,9 +157,10 @@ enum pel_err pel_http_parse_target(const char *target,
                              "the path has a bad escape or too many parts");
     }
     if (mark && !parse_query(mark + 1, end, out)) {
-        return pel_fault_set(fault, PEL_ERR_MALFORMED,
-                             "the query has a bad escape, a parameter twice "
-                             "or too many of them");
+        return pel_fault_set(
+            fault, PEL_ERR_MALFORMED,
+            "the query has a bad escape, a parameter without a "
+            "name or too many of them");
     }
     return PEL_OK;
 }

@@ -18,7 +18,10 @@ struct pel_http_header {
 
 struct pel_http_request {
     const char *method;
-    const char *target; /* as on the request line, with the query */
+    const char *target; /* the path, with the query */
+    /* HOST:PORT of a target in absolute form (RFC 9112, 3.2.2), which holds
+     * instead of Host; NULL: it was not */
+    const char *authority;
     const struct pel_http_header *headers;
     size_t header_count;
     const char *body; /* need not be terminated */
@@ -29,6 +32,15 @@ struct pel_http_request {
  * there are. */
 const char *pel_http_find_header(const struct pel_http_request *request,
                                  const char *name, size_t *count);
+
+/* Which of our names was asked for: of an absolute target, else the Host
+ * header; NULL: none. */
+const char *pel_http_host(const struct pel_http_request *request);
+
+/* Takes a target in absolute form apart: its path, which begins with `?` where
+ * it has none; *authority: HOST:PORT of it, g_free(). Any other target: itself,
+ * *authority NULL. */
+const char *pel_http_split_target(const char *target, char **authority);
 
 struct pel_http_pair {
     char *name, *value;
@@ -45,7 +57,8 @@ struct pel_http_target {
 };
 
 /* MALFORMED: not an absolute path, a bad escape, a control character, more
- * segments or parameters than there is room for, a parameter twice. */
+ * segments or parameters than there is room for. Nothing between two `&` is no
+ * parameter. */
 PEL_CHECK enum pel_err pel_http_parse_target(const char *target,
                                              struct pel_http_target *out,
                                              struct pel_fault *fault);

@@ -13,6 +13,7 @@
 #include "message.h"
 #include "net/command.h"
 #include "net/http_auth.h"
+#include "net/http_check.h"
 #include "net/http_view.h"
 #include "net/pages.h"
 #include "net/whep.h"
@@ -21,27 +22,6 @@
 #include "scene/spectra.h"
 
 #define JSON_TYPE "application/json"
-#define SURFACE_BODY 8 /* times the limit of other bodies */
-
-enum route_flags {
-    ROUTE_BODY = 1,     /* takes JSON */
-    ROUTE_EMPTY_OK = 2, /* or nothing */
-    ROUTE_LARGE = 4,    /* with the larger limit */
-    ROUTE_NO_HEAD = 8,  /* GET only */
-    ROUTE_REST = 16,    /* the last segment stands for all that follow */
-    ROUTE_QUERY = 32,   /* takes parameters */
-    ROUTE_OPEN = 64,    /* for those without the token too */
-    ROUTE_COSTLY = 128, /* pages of other origins may not ask */
-    ROUTE_SDP = 256,    /* takes an offer of WebRTC */
-};
-
-struct route {
-    const char *method;
-    const char *pattern; /* as in proto/routes.def */
-    int flags;
-    void (*handle)(const struct pel_http_call *call);
-};
-
 /* --- answers -------------------------------------------------------------- */
 
 void pel_http_json(struct pel_http_answer *answer, int status, char *owned)
@@ -64,11 +44,14 @@ void pel_http_refuse(const struct pel_http_call *call, int status,
     pel_http_problem(call->answer, status, fault);
 }
 
+#define WEAK "W/"
+
 static void set_revision(const struct pel_http_context *context,
                          struct pel_http_answer *answer)
 {
     const Pelagos__State *state = pel_scene_state(context->scene);
-    snprintf(answer->tag, sizeof answer->tag, "\"%llu\"",
+    /* Weak: of one revision, the clock's time goes on. */
+    snprintf(answer->tag, sizeof answer->tag, WEAK "\"%llu\"",
              (unsigned long long)state->revision);
 }
 
@@ -84,13 +67,14 @@ bool pel_http_precondition(const struct pel_http_call *call)
         return true;
     }
     set_tag(call);
-    if (pel_http_tag_matches(wanted, call->answer->tag, false)) {
+    /* Weak or not: what is compared is the revision. */
+    const char *tag = call->answer->tag + strlen(WEAK);
+    if (pel_http_tag_matches(wanted, tag, true)) {
         return true;
     }
     struct pel_fault fault;
     pel_fault_set(&fault, PEL_ERR_CONFLICT,
-                  "the state is at revision %s, not %s", call->answer->tag,
-                  wanted);
+                  "the state is at revision %s, not %s", tag, wanted);
     pel_http_refuse(call, 412, &fault);
     set_tag(call);
     return false;
@@ -111,8 +95,25 @@ void pel_http_answer_refused(struct pel_http_answer *answer,
     pel_http_problem(answer, fault->code == PEL_ERR_NOT_FOUND ? 400 : 0, fault);
 }
 
+/* Whether the client has it already; then it is answered with 304. */
+static bool is_known(const struct pel_http_call *call)
+{
+    const char *known =
+        pel_http_find_header(call->request, "If-None-Match", NULL);
+    set_tag(call);
+    if (!known ||
+        !pel_http_tag_matches(known, call->answer->tag + strlen(WEAK), true)) {
+        return false;
+    }
+    call->answer->status = 304;
+    return true;
+}
+
 void pel_http_state(const struct pel_http_call *call)
 {
+    if (is_known(call)) {
+        return;
+    }
     pel_http_answer_state(call->context, call->answer);
 }
 
@@ -288,6 +289,13 @@ static void get_field(const struct pel_http_call *call)
     struct pel_path_info info;
     const Pelagos__State *state = pel_scene_state(call->context->scene);
     char *path = path_of_segments(call);
+    /* The time goes on without a revision. */
+    bool moves = g_str_has_prefix(path, "clock");
+    if (!moves && is_known(call)) {
+        g_free(path);
+        return;
+    }
+    call->answer->tag[0] = '\0';
     char *text = g_malloc(ROOM);
     enum pel_err err = pel_path_find(path, &info, &fault);
     if (err == PEL_OK) {
@@ -301,7 +309,9 @@ static void get_field(const struct pel_http_call *call)
         append_info(out, info.info);
         g_string_append(out, "}\n");
         pel_http_json(call->answer, 200, g_string_free(out, FALSE));
-        set_tag(call);
+        if (!moves) {
+            set_tag(call);
+        }
     } else {
         pel_http_refuse(call, 404, &fault);
     }
@@ -454,9 +464,9 @@ static void get_file(const struct pel_http_call *call)
 
 /* --- routes --------------------------------------------------------------- */
 
-static const struct route routes[] = {
+static const struct pel_route routes[] = {
 #define PEL_ROUTE(method, path, flags, handler, query, body, answer, text)     \
-    { method, path, flags, handler },
+    { method, path, flags, handler, query },
 #include "proto/routes.def"
 };
 
@@ -480,7 +490,7 @@ static bool segment_matches(const char *pattern, size_t length,
                              : true;
 }
 
-static bool pattern_matches(const struct route *route,
+static bool pattern_matches(const struct pel_route *route,
                             const struct pel_http_target *target)
 {
     const char *at = route->pattern;
@@ -504,7 +514,7 @@ static const char *allow_of(const struct pel_http_target *target)
     bool get = false, head = false, put = false, patch = false, post = false,
          del = false;
     for (size_t i = 0; i < G_N_ELEMENTS(routes); i++) {
-        const struct route *route = &routes[i];
+        const struct pel_route *route = &routes[i];
         if (pattern_matches(route, target)) {
             bool is_get = strcmp(route->method, "GET") == 0;
             get = get || is_get;
@@ -525,13 +535,12 @@ static const char *allow_of(const struct pel_http_target *target)
                        : NULL;
 }
 
-/* NULL: none; *answer says 404 or 405. */
-static const struct route *find_route(const struct pel_http_request *request,
-                                      const struct pel_http_target *target,
-                                      struct pel_http_answer *answer)
+/* NULL: none. */
+static const struct pel_route *route_of(const char *asked,
+                                        const struct pel_http_target *target)
 {
-    bool head = strcmp(request->method, "HEAD") == 0;
-    const char *method = head ? "GET" : request->method;
+    bool head = strcmp(asked, "HEAD") == 0;
+    const char *method = head ? "GET" : asked;
     for (size_t i = 0; i < G_N_ELEMENTS(routes); i++) {
         if (pattern_matches(&routes[i], target) &&
             strcmp(routes[i].method, method) == 0 &&
@@ -539,165 +548,67 @@ static const struct route *find_route(const struct pel_http_request *request,
             return &routes[i];
         }
     }
+    return NULL;
+}
+
+/* 404 or 405. */
+static void refuse_place(const struct pel_http_request *request,
+                         const char *method,
+                         const struct pel_http_target *target,
+                         struct pel_http_answer *answer)
+{
     struct pel_fault fault;
     answer->allow = allow_of(target);
     if (answer->allow) {
         pel_fault_set(&fault, PEL_ERR_INVALID,
                       "%.16s is not possible here, "
                       "only %s",
-                      request->method, answer->allow);
+                      method, answer->allow);
         pel_http_problem(answer, 405, &fault);
     } else {
         pel_fault_set(&fault, PEL_ERR_NOT_FOUND, "there is nothing at %.120s",
                       request->target);
         pel_http_problem(answer, 404, &fault);
     }
-    return NULL;
 }
 
-static bool safe_method(const char *method)
+/* NULL: none; *answer says 404 or 405. */
+static const struct pel_route *
+find_route(const struct pel_http_request *request,
+           const struct pel_http_target *target, struct pel_http_answer *answer)
 {
-    return strcmp(method, "GET") == 0 || strcmp(method, "HEAD") == 0;
+    const struct pel_route *route = route_of(request->method, target);
+    if (!route) {
+        refuse_place(request, request->method, target, answer);
+    }
+    return route;
 }
 
-/* Folded or damaged header lines: another reader may see other headers. */
-static bool headers_are_plain(const struct pel_http_request *request)
+/* What may be asked for here; of a page of another origin, whether it may ask
+ * for what its browser is about to (a preflight of the Fetch standard), which
+ * no token comes with. */
+static void answer_options(const struct pel_http_context *context,
+                           const struct pel_http_request *request,
+                           const struct pel_http_target *target,
+                           struct pel_http_answer *answer)
 {
-    for (size_t i = 0; i < request->header_count; i++) {
-        const char *name = request->headers[i].name;
-        const char *value = request->headers[i].value;
-        if (!*name || name[strcspn(name, " \t\r\n:\"(),/;<=>?@[\\]{}")]) {
-            return false;
-        }
-        for (; *value; value++) {
-            unsigned char c = (unsigned char)*value;
-            if ((c < 0x20 && c != '\t') || c == 0x7f) {
-                return false;
-            }
-        }
+    struct pel_fault fault;
+    const char *method =
+        pel_http_find_header(request, "Access-Control-Request-Method", NULL);
+    bool preflight = method && pel_http_find_header(request, "Origin", NULL);
+    const struct pel_route *route = preflight ? route_of(method, target) : NULL;
+    if (!allow_of(target) || (preflight && !route)) {
+        refuse_place(request, preflight ? method : "OPTIONS", target, answer);
+    } else if (preflight &&
+               pel_http_check_site(context, request, route, &fault) != PEL_OK) {
+        pel_http_problem(answer, 403, &fault);
+    } else {
+        answer->status = 204;
+        answer->allow = allow_of(target);
+        answer->preflight = !preflight                        ? NULL
+                            : pel_http_is_safe(route->method) ? "GET, HEAD"
+                                                              : route->method;
     }
-    return true;
-}
-
-static bool all_digits(const char *text)
-{
-    size_t digits = strspn(text, "0123456789");
-    return digits > 0 && digits <= 15 && text[digits] == '\0';
-}
-
-/* Framing that two readers could understand differently, and strangers. */
-static enum pel_err check_head(const struct pel_http_context *context,
-                               const struct pel_http_request *request,
-                               int *status, struct pel_fault *fault)
-{
-    size_t hosts = 0, lengths = 0, encodings = 0, origins = 0;
-    const char *host = pel_http_find_header(request, "Host", &hosts);
-    const char *encoding =
-        pel_http_find_header(request, "Transfer-Encoding", &encodings);
-    const char *origin = pel_http_find_header(request, "Origin", &origins);
-    const char *length =
-        pel_http_find_header(request, "Content-Length", &lengths);
-    *status = 400;
-    if (!headers_are_plain(request) || (length && !all_digits(length))) {
-        return pel_fault_set(fault, PEL_ERR_MALFORMED,
-                             "a header line is folded or damaged");
-    }
-    if (hosts != 1) {
-        return pel_fault_set(fault, PEL_ERR_MALFORMED,
-                             "there must be exactly one Host header");
-    }
-    if (encodings + lengths > 1) {
-        return pel_fault_set(fault, PEL_ERR_MALFORMED,
-                             "Content-Length and Transfer-Encoding are one "
-                             "too many");
-    }
-    if (encoding && strcasecmp(encoding, "chunked") != 0) {
-        *status = 501;
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "only the transfer encoding `chunked` is known");
-    }
-    *status = 403;
-    if (!pel_http_host_is_ours(host, context->hosts)) {
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "Host `%.80s` is no name of this server: use its "
-                             "address or localhost",
-                             host);
-    }
-    if (origins > 0 && !safe_method(request->method) &&
-        !pel_http_origin_is_ours(origin, host)) {
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "pages of %.80s may not change this server",
-                             origin);
-    }
-    return PEL_OK;
-}
-
-/* A page of another origin that asks for pictures: it could not see them, but
- * have them drawn. Its browser says so, and where from, if not by Origin then,
- * as a rule, by Referer. */
-static enum pel_err check_site(const struct pel_http_context *context,
-                               const struct pel_http_request *request,
-                               struct pel_fault *fault)
-{
-    const char *host = pel_http_find_header(request, "Host", NULL);
-    const char *origin = pel_http_find_header(request, "Origin", NULL);
-    const char *site = pel_http_find_header(request, "Sec-Fetch-Site", NULL);
-    bool foreign = origin ? !pel_http_origin_is_ours(origin, host)
-                          : site && (strcasecmp(site, "cross-site") == 0 ||
-                                     strcasecmp(site, "same-site") == 0);
-    if (!foreign || pel_http_allowed_origin(request, context->origins)) {
-        return PEL_OK;
-    }
-    return pel_fault_set(fault, PEL_ERR_INVALID,
-                         "pages of %.80s may not ask for pictures of this "
-                         "server; pelagosd --allow-origin ORIGIN lets them",
-                         origin ? origin : "another origin");
-}
-
-static bool is_sdp(const char *type)
-{
-    size_t length = strcspn(type, "; \t");
-    return length == strlen(PEL_WHEP_TYPE) &&
-           g_ascii_strncasecmp(type, PEL_WHEP_TYPE, length) == 0;
-}
-
-static enum pel_err check_body(const struct pel_http_context *context,
-                               const struct pel_http_request *request,
-                               const struct route *route, size_t *limit,
-                               int *status, struct pel_fault *fault)
-{
-    const char *length = pel_http_find_header(request, "Content-Length", NULL);
-    const char *type = pel_http_find_header(request, "Content-Type", NULL);
-    bool chunked = pel_http_find_header(request, "Transfer-Encoding", NULL);
-    double announced = length ? g_ascii_strtod(length, NULL) : 0.0;
-    bool sdp = route->flags & ROUTE_SDP;
-    bool takes = route->flags & ROUTE_BODY || sdp;
-    *limit = !takes                       ? 0
-             : route->flags & ROUTE_LARGE ? SURFACE_BODY * context->body_limit
-                                          : context->body_limit;
-    if (announced > (double)*limit || (!takes && chunked)) {
-        *status = takes ? 413 : 400;
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             takes ? "the body may have at most %zu bytes"
-                                   : "this request takes no body",
-                             *limit);
-    }
-    if (sdp && (!type || !is_sdp(type))) {
-        *status = 415;
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "Content-Type must be " PEL_WHEP_TYPE);
-    }
-    bool nothing = announced == 0.0 && !chunked;
-    if (takes && !sdp && !(nothing && route->flags & ROUTE_EMPTY_OK) &&
-        (!type || !pel_http_type_is_json(type))) {
-        *status = 415;
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "Content-Type must be application/json%s",
-                             strcmp(request->method, "PATCH") == 0
-                                 ? " or application/merge-patch+json"
-                                 : "");
-    }
-    return PEL_OK;
 }
 
 bool pel_http_admit(const struct pel_http_context *context,
@@ -709,7 +620,7 @@ bool pel_http_admit(const struct pel_http_context *context,
     int status = 0;
     size_t limit = 0;
     *answer = (struct pel_http_answer){ .kind = PEL_HTTP_WHOLE };
-    enum pel_err err = check_head(context, request, &status, &fault);
+    enum pel_err err = pel_http_check_head(context, request, &status, &fault);
     if (err != PEL_OK) {
         answer->close = true;
         pel_http_problem(answer, status, &fault);
@@ -723,7 +634,13 @@ bool pel_http_admit(const struct pel_http_context *context,
         pel_http_problem(answer, status == 414 ? 414 : 400, &fault);
         return false;
     }
-    const struct route *route = find_route(request, &target, answer);
+    if (body_limit) {
+        *body_limit = 0;
+    }
+    if (strcmp(request->method, "OPTIONS") == 0) {
+        return true; /* it asks what may be asked */
+    }
+    const struct pel_route *route = find_route(request, &target, answer);
     if (!route) {
         return false;
     }
@@ -743,10 +660,10 @@ bool pel_http_admit(const struct pel_http_context *context,
         pel_http_problem(answer, 403, &fault);
         return false;
     }
-    err = check_body(context, request, route, &limit, &status, &fault);
-    if (err == PEL_OK && route->flags & ROUTE_COSTLY) {
+    err = pel_http_check_body(context, request, route, &limit, &status, &fault);
+    if (err == PEL_OK) {
         status = 403;
-        err = check_site(context, request, &fault);
+        err = pel_http_check_site(context, request, route, &fault);
     }
     if (err != PEL_OK) {
         pel_http_problem(answer, status, &fault);
@@ -769,19 +686,24 @@ void pel_http_route(const struct pel_http_context *context,
         pel_http_problem(answer, 400, &fault);
         return;
     }
-    const struct route *route = find_route(request, &target, answer);
+    if (strcmp(request->method, "OPTIONS") == 0) {
+        answer_options(context, request, &target, answer);
+        return;
+    }
+    const struct pel_route *route = find_route(request, &target, answer);
     if (!route) {
         return;
     }
     struct pel_http_context own = *context;
     struct pel_http_call call = { context, request, &target, answer };
-    if (target.query_count > 0 && !(route->flags & ROUTE_QUERY)) {
-        pel_fault_value(&fault, PEL_ERR_NOT_FOUND, target.query[0].name,
-                        target.query[0].value, "no parameters are taken here");
+    char ignored[sizeof answer->ignored] = "";
+    if (pel_http_check_query(route, &target, ignored, sizeof ignored, &fault) !=
+        PEL_OK) {
         pel_http_problem(answer, 400, &fault);
         return;
     }
     if (pel_http_of_debrief(&own, &call)) {
         route->handle(&call);
     }
+    g_strlcpy(answer->ignored, ignored, sizeof answer->ignored);
 }

@@ -72,6 +72,9 @@ struct pel_http_answer {
     bool page;         /* a file of the page: may be kept, with care */
     const char *cache; /* Cache-Control, static; NULL: as `page` says */
     const char *allow; /* Allow header, static, or NULL */
+    /* Access-Control-Allow-Methods, static, of a preflight; else NULL */
+    const char *preflight;
+    char ignored[200]; /* X-Pelagos-Ignored header, or "" */
     char tag[64];      /* ETag header, or "" */
     char location[96]; /* Location header, or "" */
     int retry_after_s; /* Retry-After header, or 0 */

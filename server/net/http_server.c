@@ -67,12 +67,20 @@ static bool describe(struct client *client, const char *method,
     *out = (struct pel_http_request){
         .method = method,
         .target = client->target ? client->target : "",
+        .authority = client->authority,
         .headers = headers->list,
         .header_count = MIN(headers->count, MAX_HEADERS),
         .body = client->body ? client->body->str : "",
         .body_size = client->body ? client->body->len : 0,
     };
     return headers->count <= MAX_HEADERS;
+}
+
+static bool is_health(const struct pel_http_request *request)
+{
+    size_t path = strcspn(request->target, "?");
+    return path == strlen("/healthz") &&
+           strncmp(request->target, "/healthz", path) == 0;
 }
 
 static enum MHD_Result take_head(struct client *client, const char *method)
@@ -96,11 +104,12 @@ static enum MHD_Result take_head(struct client *client, const char *method)
         client->server->malformed++;
         return pel_http_send_fault(client, 400, &fault);
     }
-    if (client->server->context.stopping &&
-        strcmp(request.target, "/healthz") != 0) {
+    if (client->server->context.stopping && !is_health(&request)) {
         pel_fault_set(&fault, PEL_ERR_BUSY, "the server stops");
         return pel_http_send_fault(client, 0, &fault);
     }
+    client->origin =
+        pel_http_allowed_origin(&request, client->server->context.origins);
     bool admitted = pel_http_admit(&client->server->context, &request,
                                    &client->body_limit, &answer);
     if (!admitted) {
@@ -108,14 +117,12 @@ static enum MHD_Result take_head(struct client *client, const char *method)
             answer.status != 404 && answer.status != 401;
         return pel_http_send(client, &answer);
     }
-    bool open = strcmp(request.target, "/healthz") == 0;
+    bool open = is_health(&request);
     bool holder = client->server->context.token &&
                   pel_http_is_authorized(&client->server->context, &request);
     if (!pel_http_share_admit(client, &request, open, holder, &answer)) {
         return pel_http_send(client, &answer);
     }
-    client->origin =
-        pel_http_allowed_origin(&request, client->server->context.origins);
     client->phase = PHASE_BODY;
     client->since_ns = pel_now_ns();
     client->deadline_ns = pel_http_after(client->server->limits.http_body_s);
@@ -162,6 +169,7 @@ static enum MHD_Result take_request(struct client *client, const char *method)
     pel_http_route(&client->server->context, &request, &answer);
     bool edited = gated && pel_scene_state(scene)->revision != before;
     client->of_debrief = answer.debrief;
+    g_strlcpy(client->ignored, answer.ignored, sizeof client->ignored);
     bool picture = answer.kind == PEL_HTTP_FRAME ||
                    answer.kind == PEL_HTTP_FRAMES ||
                    answer.kind == PEL_HTTP_MJPEG || answer.kind == PEL_HTTP_TS;
@@ -256,7 +264,12 @@ static void *on_target(void *user, const char *target,
     struct client *client = client_of(connection);
     if (client) {
         g_free(client->target);
-        client->target = g_strndup(target, PEL_HTTP_MAX_TARGET);
+        g_free(client->authority);
+        const char *path = pel_http_split_target(target, &client->authority);
+        /* Without a path: of the whole server. */
+        client->target = g_strdup_printf(
+            "%s%.*s", client->authority && *path != '/' ? "/" : "",
+            PEL_HTTP_MAX_TARGET, path);
         client->target_at = target;
         client->version_at = pel_http_head_version(target);
     }
@@ -267,7 +280,9 @@ static void forget_request(struct client *client)
 {
     pel_http_call_off(client);
     g_free(client->target);
-    client->target = NULL;
+    g_free(client->authority);
+    client->target = client->authority = NULL;
+    client->ignored[0] = '\0';
     if (client->body) {
         g_string_free(client->body, TRUE);
         client->body = NULL;
