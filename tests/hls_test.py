@@ -185,10 +185,9 @@ class Playlists(Case):
 
     def test_refusals(self):
         p = self.load()
-        for query, path in (("?quality=5", "quality"), ("?bitrate=1", "bitrate"),
+        for query, path in (("?with=5", "with"), ("?bitrate=1", "bitrate"),
                             ("?_HLS_part=1", "_HLS_part"),
                             ("?_HLS_msn=-1", "_HLS_msn"),
-                            ("?_HLS_skip=YES", "_HLS_skip"),
                             (f"?_HLS_msn={p.first + len(p.segments) + 9}",
                              "_HLS_msn")):
             got = self.daemon.get(LIST + query)
@@ -206,6 +205,18 @@ class Playlists(Case):
 
 
 class Ends(Case):
+    def test_no_segment_has_number_zero(self):
+        """HLS.js appends the parts of segment 0 again and again, each further
+        on, and stands seconds behind ever after."""
+        place = "/v1/views/other/hls.m3u8"
+        for query in ("?_HLS_msn=0", "?_HLS_msn=1", ""):
+            got = self.daemon.get(place + query)
+            p = Playlist(got.body.decode(), place)
+            self.assertEqual(p.first, 1, query)
+            self.assertTrue(p.segments, query)
+            self.assertRegex(p.segments[0]["path"], r"-1\.ts$")
+            self.assertFalse(p.segments[0]["broken"])
+
     def test_view_goes_while_it_is_waited_for(self):
         self.daemon.patch({"views": [
             {"name": "bridge", "entity": 1, "width": 160, "height": 90}]})

@@ -21,6 +21,10 @@
 /* A part ends so early that one picture that is late does not make it too long.
  */
 #define PART_NS 500000000LL
+/* The number of a stream's first segment. Not 0: HLS.js (1.7) takes 0 for "no
+ * segment" where it looks which parts are in the buffer, appends those of
+ * segment 0 again and again, and stands seconds behind ever after. */
+#define FIRST_NUMBER 1
 #define SWEEP_MS 500
 /* Segments at the end of a playlist that have their parts in it. */
 #define WITH_PARTS 3
@@ -203,7 +207,7 @@ static char *playlist(const struct stream *s)
         "#EXT-X-INDEPENDENT-SEGMENTS\n#EXT-X-MEDIA-SEQUENCE:%" PRId64
         "\n#EXT-X-DISCONTINUITY-SEQUENCE:%" PRId64 "\n",
         PEL_HLS_TARGET_S, PEL_HLS_PART_S, 3 * PEL_HLS_PART_S,
-        len ? segment_at(s, first)->number : 0, s->dropped_breaks + breaks);
+        segment_at(s, first)->number, s->dropped_breaks + breaks);
     for (guint i = first; i < len; i++) {
         const struct segment *g = segment_at(s, i);
         if (g->length_ns > 0 || g->parts->len > 0) {
@@ -233,9 +237,10 @@ static char *playlist(const struct stream *s)
 static bool is_there(const struct waiting *w)
 {
     const struct stream *s = w->stream;
-    if (w->number < 0) {
-        return s->segments->len > 1 ||
-               (s->segments->len == 1 && !open_segment(s));
+    bool any =
+        s->segments->len > 1 || (s->segments->len == 1 && !open_segment(s));
+    if (w->number < 0 || (!w->file && !any)) {
+        return any; /* no list is without a segment */
     }
     const struct segment *g = find_segment(s, w->number);
     return g ? g->length_ns > 0 ||
@@ -351,7 +356,7 @@ static void take_picture(struct stream *s, const struct pel_frame *frame)
         pel_frames_want_key(s->subscription, true);
         return;
     }
-    bool broken = !g && s->next_number > 0;
+    bool broken = !g && s->next_number > FIRST_NUMBER;
     if (g && frame->key && at_ns - s->segment_ns >= LEAST_NS) {
         end_segment(s, g, at_ns);
         g = NULL;
@@ -454,6 +459,7 @@ static enum pel_err open_stream(struct pel_hls *hls,
     struct stream *s = g_new0(struct stream, 1);
     s->all = hls;
     s->id = g_random_int();
+    s->next_number = FIRST_NUMBER;
     g_strlcpy(s->view, wish->view, sizeof s->view);
     s->profile = wish->profile;
     s->profile.codec = PEL_CODEC_H264;
