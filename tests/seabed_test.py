@@ -6,11 +6,15 @@ import json
 import os
 import shutil
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+
+import netCDF4
+import numpy as np
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import cigi_host as cigi
@@ -394,6 +398,191 @@ class Seabed(unittest.TestCase):
                     self.assertLess(grown, 64e6)
         finally:
             shutil.rmtree(folder)
+
+
+READER = os.path.join(BIN, "pelagos-seabed")
+LON0, LAT0, STEP = 4.0, 52.0, 1 / 240
+LONS, LATS = LON0 + STEP * np.arange(-30, 31), LAT0 + STEP * np.arange(-24, 25)
+#: What the file has 40 m above the sea or below it at 52 N 4 E.
+DOWN = 40 + 100 * (LONS[None, :] - LON0) + 30 * (LATS[:, None] - LAT0)
+
+
+def bottom(path, kind="elevation", at=(52.0, 4.0), east=0, north=0):
+    """Height that the reader has east and north of `at`, or its words."""
+    done = subprocess.run([READER, str(at[0]), str(at[1]), kind,
+                           *os.path.split(path)], capture_output=True,
+                          timeout=SLOW_S)
+    if done.returncode:
+        return done.stderr.decode()
+    data = done.stdout
+    assert data[:8] == b"pelsbed1"
+    columns, rows, west, south, spacing = struct.unpack("<IIddd", data[8:40])
+    heights = np.frombuffer(data[40:], "f4").reshape(rows, columns)
+    x, y = (east - west) / spacing, (north - south) / spacing
+    i, j = int(x), int(y)
+    x, y = x - i, y - j
+    return float(heights[j, i] * (1 - x) * (1 - y)
+                 + heights[j, i + 1] * x * (1 - y)
+                 + heights[j + 1, i] * (1 - x) * y
+                 + heights[j + 1, i + 1] * x * y)
+
+
+class Meanings(unittest.TestCase):
+    """What numbers mean, by each way that a file can say it."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="pelagos-meaning-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.count = 0
+
+    def path(self, ending):
+        type(self).count += 1
+        return os.path.join(self.folder, f"{self.count}{ending}")
+
+    def netcdf(self, values=DOWN, name="seabed", order=("lat", "lon"),
+               lons=LONS, lats=LATS, kind="f8", more=(), **attributes):
+        path = self.path(".nc")
+        with netCDF4.Dataset(path, "w") as d:
+            for axis, v, units, standard in (
+                    ("lon", lons, "degrees_east", "longitude"),
+                    ("lat", lats, "degrees_north", "latitude")):
+                d.createDimension(axis, len(v))
+                c = d.createVariable(axis, kind, (axis,))
+                c.units, c.standard_name, c[:] = units, standard, v
+            for extra, size in more:
+                d.createDimension(extra, size)
+            dims = tuple(extra for extra, _ in more) + tuple(order)
+            v = d.createVariable(name, "f4", dims, fill_value=-9999.0)
+            v.setncatts(attributes)
+            grid = values if order == ("lat", "lon") else values.T
+            v[:] = np.broadcast_to(grid, v.shape)
+        return path
+
+    def tiff(self, *options, values=DOWN, unit=None):
+        """The same as GeoTIFF."""
+        path = self.path(".tif")
+        gdal("gdal_translate", "-q", "-a_srs", "EPSG:4326", *options,
+             f"NETCDF:{self.netcdf(values)}:seabed", path)
+        if unit is not None:
+            gdal("gdal_edit.py", "-units", unit, path)
+        return path
+
+    def is_at(self, path, want, kind="elevation", **place):
+        got = bottom(path, kind, **place)
+        self.assertIsInstance(got, float, (path, got))
+        self.assertAlmostEqual(got, want, delta=0.05, msg=path)
+
+    def refused(self, path, *words, kind="elevation"):
+        got = bottom(path, kind)
+        self.assertIsInstance(got, str, (path, got))
+        print(got.strip())
+        for word in words:
+            self.assertIn(word, got)
+        self.assertLess(len(got), 256)
+
+    def test_which_way_by_attributes(self):
+        for name in ("sea_floor_depth_below_geoid", "depth",
+                     "sea_floor_depth_below_mean_sea_level",
+                     "sea_floor_depth_below_sea_surface",
+                     "sea_floor_depth"):
+            path = self.netcdf(standard_name=name, units="m")
+            self.is_at(path, -40)
+            self.is_at(path, -40, "depth")
+        for name in ("altitude", "height", "surface_altitude",
+                     "height_above_mean_sea_level",
+                     "height_above_reference_ellipsoid"):
+            path = self.netcdf(-DOWN, standard_name=name, units="m")
+            self.is_at(path, -40)
+            self.refused(path, "DEPTH", name, "ELEVATION", kind="depth")
+        self.is_at(self.netcdf(positive="down"), -40)
+        self.is_at(self.netcdf(positive="DOWN"), -40, "depth")
+        self.is_at(self.netcdf(-DOWN, positive="up"), -40)
+        self.refused(self.netcdf(positive="up"), "positive \"up\"",
+                     "ELEVATION", kind="depth")
+        self.refused(self.netcdf(positive="up",
+                                 standard_name="sea_floor_depth_below_geoid"),
+                     "downward", "upward", "ncatted")
+
+    def test_which_way_by_what_it_is_called(self):
+        self.is_at(self.netcdf(name="deptho"), -40)
+        self.is_at(self.netcdf(-DOWN, name="depth"), -40)
+        self.is_at(self.netcdf(name="v", long_name="Sea floor Depth"), -40)
+        self.is_at(self.netcdf(name="bathymetry"), -40)
+        self.is_at(self.netcdf(DOWN, name="elevation"), 40)
+        mixed = DOWN - 42
+        self.refused(self.netcdf(mixed, name="depth"), "DEPTH", "ncatted")
+        self.is_at(self.netcdf(mixed, name="depth"), 2, "depth")
+
+    def test_which_way_by_vertical_crs(self):
+        for crs in ("5831", "5715", "5866"):
+            path = self.tiff("-a_srs", "EPSG:4326+" + crs)
+            self.is_at(path, -40)
+            self.is_at(path, -40, "depth")
+            self.refused(self.tiff("-a_srs", "EPSG:4326+" + crs,
+                                   values=-DOWN), "none is above 0",
+                         "gdal_edit.py")
+        path = self.tiff("-a_srs", "EPSG:4326+5714", values=-DOWN)
+        self.is_at(path, -40)
+        self.refused(path, "MSL height", "ELEVATION", kind="depth")
+
+    def test_units(self):
+        """Each once, whether the band, the CRS or both say it."""
+        for unit, metre in (
+                ("m", 1), ("metres", 1), ("Meters", 1), ("[m]", 1), ("cm", .01),
+                ("dm", .1), ("mm", 1e-3), ("km", 1e3), ("ft", .3048),
+                ("feet", .3048), ("US survey foot", 1200 / 3937),
+                ("us-ft", 1200 / 3937), ("ftUS", 1200 / 3937),
+                ("fathoms", 1.8288), ("fathom", 1.8288), ("yards", .9144),
+                ("0.01 m", .01), ("", 1)):
+            self.is_at(self.netcdf(-DOWN / metre, units=unit), -40)
+        for unit, metre in (("cm", .01), ("US survey foot", 1200 / 3937),
+                            ("fathom", 1.8288)):
+            self.is_at(self.tiff(values=-DOWN / metre, unit=unit), -40)
+        for unit in ("furlong", "m/s", "1", "degrees", "f", "fish"):
+            self.refused(self.netcdf(units=unit), f'"{unit}"', "ncatted")
+        self.refused(self.tiff(unit="fish"), '"fish"', "gdal_edit.py")
+        for crs, foot in (("6360", 1200 / 3937), ("8228", .3048)):
+            srs = ("-a_srs", "EPSG:4326+" + crs)
+            self.is_at(self.tiff(*srs, values=-DOWN / foot), -40)
+            for unit in ("US survey foot", "ft"):
+                self.is_at(self.tiff(*srs, values=-DOWN / foot, unit=unit),
+                           -40)
+            self.refused(self.tiff(*srs, unit="m"), '"m"', "foot",
+                         "gdal_edit.py")
+        self.is_at(self.tiff("-a_srs", "EPSG:4326+6358",
+                             values=DOWN / 1200 * 3937), -40)
+
+    def test_order_of_dimensions(self):
+        """The coordinates say which is east."""
+        for order in (("lat", "lon"), ("lon", "lat")):
+            for lats in (LATS, LATS[::-1]):
+                values = DOWN if lats is LATS else DOWN[::-1]
+                for more in ((), (("time", 1),)):
+                    path = self.netcdf(-values, order=order, lats=lats,
+                                       more=more)
+                    self.is_at(path, -40)
+                    self.is_at(path, -DOWN[24, 40], east=2862)
+                    self.is_at(path, -DOWN[34, 30], north=4636)
+        self.refused(self.netcdf(more=(("time", 3),)), "3 values along time",
+                     "ncks")
+
+    def test_rounded_coordinates(self):
+        """Printed with so many digits, they are equal steps still."""
+        for digits, kind in ((3, "f8"), (4, "f8"), (3, "f4"), (5, "f4")):
+            path = self.netcdf(-DOWN, lons=np.round(LONS, digits), kind=kind,
+                               lats=np.round(LATS, digits))
+            self.is_at(path, -40)
+            self.is_at(path, -DOWN[24, 40], east=2862)
+        uneven = LONS.copy()
+        uneven[40:] += STEP
+        self.refused(self.netcdf(lons=uneven), "lon are not equal steps",
+                     "cdo")
+
+    def test_scaled(self):
+        path = self.netcdf(name="z", scale_factor=0.5, add_offset=3.0,
+                           units="ft", positive="down")
+        self.is_at(path, -40 * 0.3048)
 
 
 if __name__ == "__main__":

@@ -1043,6 +1043,10 @@ class Seabed(Record):
     #: more than 2048 x 2048 heights those about the origin are taken. [at most
     #: 512 bytes]
     file: str | None = _field(None)
+    #: Which way the file's numbers grow, where it does not say it itself by
+    #: standard_name, positive, its vertical CRS or its format: a file of
+    #: depths is read as such; DEPTH for a file of heights is refused. Units
+    #: are the file's.
     #: One of ELEVATION, DEPTH.
     values: str = _field('ELEVATION',
         words="ELEVATION DEPTH")

@@ -14,6 +14,8 @@
 
 #include "base/file.h"
 #include "seabed/reader/gdal.h"
+#include "seabed/reader/meaning.h"
+#include "seabed/reader/netcdf.h"
 #include "seabed/reader/raster.h"
 #include "seabed/seabed.h"
 
@@ -33,15 +35,14 @@ static const char formats[] =
 
 /* --- opening -------------------------------------------------------------- */
 
-/* Whether the subdataset's name ends in one of the words for heights. */
-static bool is_height_name(const char *name)
+bool pel_raster_is_height_name(const char *name)
 {
-    static const char *const words[] = { "elevation", "z",         "topo",
-                                         "height",    "altitude",  "Band1",
-                                         "depth",     "bathymetry" };
-    const char *last = strrchr(name, ':');
-    for (size_t i = 0; last && i < sizeof words / sizeof *words; i++) {
-        if (strcasecmp(last + 1, words[i]) == 0) {
+    static const char *const words[] = {
+        "elevation", "z",     "topo",   "height",     "altitude",
+        "Band1",     "depth", "deptho", "bathymetry",
+    };
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        if (strcasecmp(name, words[i]) == 0) {
             return true;
         }
     }
@@ -60,7 +61,8 @@ static GDALDatasetH open_part(GDALDatasetH whole)
         if (!part) {
             break;
         }
-        name = is_height_name(part) ? part : NULL;
+        const char *last = strrchr(part, ':');
+        name = last && pel_raster_is_height_name(last + 1) ? part : NULL;
     }
     return name ? GDALOpenEx(name, GDAL_OF_RASTER, NULL, NULL, NULL) : NULL;
 }
@@ -101,33 +103,61 @@ static void local_frame(double latitude, double longitude, char out[160])
              latitude, longitude);
 }
 
-/* A raster in memory of the values, its middle at the place of the request. */
-static GDALDatasetH place_plain(const struct pel_raster_request *request,
-                                const struct pel_raster_plain *plain)
+GDALDatasetH pel_raster_of_plain(const struct pel_raster_plain *plain)
 {
-    char place[96], frame[160];
-    double s = request->spacing_m;
-    double transform[] = { -0.5 * s * plain->columns, s, 0,
-                           0.5 * s * plain->rows,     0, -s };
+    char place[96];
     GDALDatasetH set =
         GDALCreate(GDALGetDriverByName("MEM"), "", plain->columns, plain->rows,
                    0, GDT_Float32, NULL);
     snprintf(place, sizeof place, "DATAPOINTER=%llu",
              (unsigned long long)(uintptr_t)plain->values);
     char **options = CSLAddString(NULL, place);
+    return set && GDALAddBand(set, GDT_Float32, options) == CE_None ? set
+                                                                    : NULL;
+}
+
+/* A raster in memory of the values, its middle at the place of the request. */
+static GDALDatasetH place_plain(const struct pel_raster_request *request,
+                                const struct pel_raster_plain *plain)
+{
+    char frame[160];
+    double s = request->spacing_m;
+    double transform[] = { -0.5 * s * plain->columns, s, 0,
+                           0.5 * s * plain->rows,     0, -s };
+    GDALDatasetH set = pel_raster_of_plain(plain);
     local_frame(request->latitude, request->longitude, frame);
     OGRSpatialReferenceH srs = OSRNewSpatialReference(NULL);
-    if (!set || GDALAddBand(set, GDT_Float32, options) ||
-        OSRImportFromProj4(srs, frame) || GDALSetSpatialRef(set, srs) ||
+    if (!set || OSRImportFromProj4(srs, frame) || GDALSetSpatialRef(set, srs) ||
         GDALSetGeoTransform(set, transform)) {
         return NULL;
     }
     return set;
 }
 
-/* The first band in memory, as it is, with what has no data as NaN. */
-static enum pel_err read_plain(GDALDatasetH set, struct pel_raster_plain *out,
-                               struct pel_fault *fault)
+static void swap_ends(float *values, size_t count, size_t stride)
+{
+    for (size_t i = 0; i < count / 2; i++) {
+        float other = values[i * stride];
+        values[i * stride] = values[(count - 1 - i) * stride];
+        values[(count - 1 - i) * stride] = other;
+    }
+}
+
+/* Rows from north, columns from west. */
+static void turn(const struct pel_raster_plain *plain, const double t[6])
+{
+    size_t columns = (size_t)plain->columns, rows = (size_t)plain->rows;
+    for (size_t x = 0; x < columns && t[5] > 0 && t[4] == 0; x++) {
+        swap_ends(plain->values + x, rows, columns);
+    }
+    for (size_t y = 0; y < rows && t[1] < 0 && t[2] == 0; y++) {
+        swap_ends(plain->values + y * columns, columns, 1);
+    }
+}
+
+enum pel_err pel_raster_read_plain(GDALDatasetH set,
+                                   struct pel_raster_plain *out,
+                                   struct pel_fault *fault)
 {
     int columns = GDALGetRasterXSize(set), rows = GDALGetRasterYSize(set);
     if ((int64_t)columns * rows > PEL_RASTER_MOST_PIXELS) {
@@ -163,18 +193,22 @@ static bool looks_geographic(GDALDatasetH set, const double t[6])
            fabs(t[3]) <= 91 && fabs(south) <= 91;
 }
 
-/* The raster with a place: by the request or by itself. */
+/* The raster with a place: by the request or by itself. *frame: of its
+ * coordinates, in the order east, north; NULL: the data set says it. */
 static enum pel_err place_raster(const struct pel_raster_request *request,
-                                 GDALDatasetH *set, bool *assume_wgs84,
+                                 GDALDatasetH *set, const char **frame,
                                  struct pel_fault *fault)
 {
     double transform[6];
     bool has = GDALGetGeoTransform(*set, transform) == CE_None;
     OGRSpatialReferenceH srs = GDALGetSpatialRef(*set);
-    *assume_wgs84 = false;
+    *frame = NULL;
     if (request->placed) {
         struct pel_raster_plain plain;
-        enum pel_err err = read_plain(*set, &plain, fault);
+        enum pel_err err = pel_raster_read_plain(*set, &plain, fault);
+        if (!err && has) {
+            turn(&plain, transform);
+        }
         *set = err ? NULL : place_plain(request, &plain);
         return !err && !*set ? pel_fault_set(fault, PEL_ERR_NO_MEMORY, "%s",
                                              CPLGetLastErrorMsg())
@@ -185,10 +219,14 @@ static enum pel_err place_raster(const struct pel_raster_request *request,
                              "it has no georeference: set seabed.latitude, "
                              "seabed.longitude and seabed.spacing");
     }
-    *assume_wgs84 = !srs && has && looks_geographic(*set, transform);
-    if (!srs && !*assume_wgs84 && GDALGetGCPCount(*set) == 0) {
+    if (!srs && has && looks_geographic(*set, transform)) {
+        *frame = "EPSG:4326";
+    }
+    if (!srs && !*frame && GDALGetGCPCount(*set) == 0) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "it does not say its coordinate reference system");
+                             "it does not say its coordinate reference "
+                             "system: give it one, as by gdal_edit.py -a_srs "
+                             "EPSG:32631 FILE");
     }
     return PEL_OK;
 }
@@ -283,14 +321,15 @@ static enum pel_err choose(struct area *a, double spacing_m,
 }
 
 static enum pel_err plan(const struct pel_raster_request *request,
-                         GDALDatasetH set, bool assume_wgs84, const char *frame,
-                         struct pel_raster_field *out, struct pel_fault *fault)
+                         GDALDatasetH set, const char *source,
+                         const char *frame, struct pel_raster_field *out,
+                         struct pel_fault *fault)
 {
     char target[176];
     snprintf(target, sizeof target, "DST_SRS=%s", frame);
     char **options = CSLAddString(NULL, target);
-    if (assume_wgs84) {
-        options = CSLAddString(options, "SRC_SRS=EPSG:4326");
+    if (source) {
+        options = CSLSetNameValue(options, "SRC_SRS", source);
     }
     int columns = GDALGetRasterXSize(set), rows = GDALGetRasterYSize(set);
     void *transformer = GDALCreateGenImgProjTransformer2(set, NULL, options);
@@ -326,9 +365,9 @@ static enum pel_err plan(const struct pel_raster_request *request,
 
 /* --- the heights ---------------------------------------------------------- */
 
-static enum pel_err warp(GDALDatasetH set, bool assume_wgs84, const char *frame,
-                         const struct pel_raster_field *to, GDALDatasetH *out,
-                         struct pel_fault *fault)
+static enum pel_err warp(GDALDatasetH set, const char *source,
+                         const char *frame, const struct pel_raster_field *to,
+                         GDALDatasetH *out, struct pel_fault *fault)
 {
     char numbers[6][32];
     const double edges[] = {
@@ -353,8 +392,8 @@ static enum pel_err warp(GDALDatasetH set, bool assume_wgs84, const char *frame,
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         if (strcmp(words[i], "-b_srs") == 0) {
             i++; /* the source's, which it says itself or which is assumed */
-            if (assume_wgs84) {
-                list = CSLAddString(CSLAddString(list, "-s_srs"), "EPSG:4326");
+            if (source) {
+                list = CSLAddString(CSLAddString(list, "-s_srs"), source);
             }
             continue;
         }
@@ -368,20 +407,17 @@ static enum pel_err warp(GDALDatasetH set, bool assume_wgs84, const char *frame,
                                 CPLGetLastErrorMsg());
 }
 
-/* What the file's numbers mean: a factor to heights in metres. */
-static double unit_of(GDALRasterBandH band, bool depths)
-{
-    const char *unit = GDALGetRasterUnitType(band);
-    const char *down = GDALGetMetadataItem(band, "positive", NULL);
-    bool feet = unit && (strncasecmp(unit, "f", 1) == 0 ||
-                         strcasecmp(unit, "US survey foot") == 0);
-    bool below = depths || (down && strcasecmp(down, "down") == 0);
-    return (feet ? 0.3048 : 1.0) * (below ? -1.0 : 1.0);
-}
+/* What the file's numbers mean. */
+struct numbers {
+    double scale, offset;
+    struct pel_raster_meaning meaning;
+};
 
-static enum pel_err take(GDALDatasetH warped, double scale, double offset,
-                         struct pel_raster_field *out, struct pel_fault *fault)
+static enum pel_err take(GDALDatasetH warped, const struct numbers *numbers,
+                         bool depths, struct pel_raster_field *out,
+                         struct pel_fault *fault)
 {
+    double least = INFINITY, greatest = -INFINITY, factor;
     int columns = out->columns, rows = out->rows;
     size_t count = (size_t)columns * (size_t)rows;
     float *from = malloc(sizeof *from * count);
@@ -392,7 +428,15 @@ static enum pel_err take(GDALDatasetH warped, double scale, double offset,
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "%.160s",
                              CPLGetLastErrorMsg());
     }
-    for (int y = 0; y < rows; y++) {
+    for (size_t i = 0; i < count; i++) {
+        double value = (double)from[i] * numbers->scale + numbers->offset;
+        least = fmin(least, value); /* false for NaN */
+        greatest = fmax(greatest, value);
+    }
+    enum pel_err err = pel_raster_sign(&numbers->meaning, depths, least,
+                                       greatest, &factor, fault);
+    double scale = factor * numbers->scale, offset = factor * numbers->offset;
+    for (int y = 0; y < rows && !err; y++) {
         const float *row = from + (size_t)(rows - 1 - y) * (size_t)columns;
         for (int x = 0; x < columns; x++) {
             out->heights[(size_t)y * (size_t)columns + (size_t)x] =
@@ -400,7 +444,7 @@ static enum pel_err take(GDALDatasetH warped, double scale, double offset,
         }
     }
     free(from);
-    return PEL_OK;
+    return err;
 }
 
 static enum pel_err find_exr(const char *path, bool *out,
@@ -440,14 +484,64 @@ void pel_raster_prepare(const char *places[PEL_GDAL_MOST_PLACES + 1])
     pel_gdal_prepare(drivers, sizeof drivers / sizeof *drivers, places);
 }
 
+/* The CRS of its plane alone: GDAL's warp would convert the unit of a vertical
+ * one, which pel_raster_mean has done. */
+static char *plane_of(OGRSpatialReferenceH srs)
+{
+    char *wkt = NULL;
+    OGRSpatialReferenceH plane = OSRClone(srs);
+    OSRStripVertical(plane);
+    OSRExportToWkt(plane, &wkt);
+    return wkt;
+}
+
+/* Opens the raster, finds what its numbers mean and where it lies. */
+static enum pel_err open_georaster(const struct pel_raster_request *request,
+                                   GDALDatasetH *out, const char **frame,
+                                   struct numbers *numbers,
+                                   struct pel_fault *fault)
+{
+    struct pel_raster_said said = { .netcdf = false };
+    char *wkt = NULL;
+    enum pel_err err = pel_raster_open_netcdf(request->path, out, &said, fault);
+    bool by_dims = *out != NULL;
+    if (!err && !by_dims) {
+        err = open_raster(request->path, out, fault);
+    }
+    if (err) {
+        return err;
+    }
+    GDALRasterBandH band = GDALGetRasterBand(*out, 1);
+    OGRSpatialReferenceH srs = GDALGetSpatialRef(*out);
+    if (!by_dims) {
+        pel_raster_said_by_band(band, &said);
+        const char *driver = GDALGetDriverShortName(GDALGetDatasetDriver(*out));
+        said.up_by_bag = strcmp(driver, "BAG") == 0;
+        said.netcdf = strcmp(driver, "netCDF") == 0;
+    }
+    if (srs && (by_dims || OSRIsVertical(srs))) {
+        wkt = plane_of(srs);
+    }
+    numbers->scale = GDALGetRasterScale(band, NULL);
+    numbers->offset = GDALGetRasterOffset(band, NULL);
+    err =
+        pel_raster_mean(&said, srs, request->depths, &numbers->meaning, fault);
+    err = err ? err : place_raster(request, out, frame, fault);
+    if (!err && wkt && !request->placed) {
+        *frame = wkt;
+    }
+    return err;
+}
+
 enum pel_err pel_raster_read(const struct pel_raster_request *request,
                              struct pel_raster_field *out,
                              struct pel_fault *fault)
 {
     GDALDatasetH set = NULL, warped = NULL;
-    bool assume_wgs84 = false, exr = false;
+    bool exr = false;
     char frame[160];
-    double scale = request->depths ? -1.0 : 1.0, offset = 0;
+    const char *source = NULL;
+    struct numbers numbers = { 1, 0, { 1, PEL_RASTER_AS_ASKED, false, "" } };
     local_frame(request->origin_latitude, request->origin_longitude, frame);
     enum pel_err err = find_exr(request->path, &exr, fault);
     if (!err) {
@@ -455,20 +549,13 @@ enum pel_err pel_raster_read(const struct pel_raster_request *request,
     }
     if (!err) {
         err = exr ? open_exr(request, &set, fault)
-                  : open_raster(request->path, &set, fault);
-    }
-    if (!err && !exr) {
-        GDALRasterBandH band = GDALGetRasterBand(set, 1);
-        double unit = unit_of(band, request->depths);
-        scale = GDALGetRasterScale(band, NULL) * unit;
-        offset = GDALGetRasterOffset(band, NULL) * unit;
-        err = place_raster(request, &set, &assume_wgs84, fault);
+                  : open_georaster(request, &set, &source, &numbers, fault);
     }
     if (!err) {
-        err = plan(request, set, assume_wgs84, frame, out, fault);
+        err = plan(request, set, source, frame, out, fault);
     }
     if (!err) {
-        err = warp(set, assume_wgs84, frame, out, &warped, fault);
+        err = warp(set, source, frame, out, &warped, fault);
     }
-    return err ? err : take(warped, scale, offset, out, fault);
+    return err ? err : take(warped, &numbers, request->depths, out, fault);
 }

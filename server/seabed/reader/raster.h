@@ -3,6 +3,7 @@
  * like. One thread. */
 #pragma once
 
+#include <gdal.h>
 #include <stdbool.h>
 
 #include "base/err.h"
@@ -30,6 +31,17 @@ struct pel_raster_plain {
     int columns, rows;
     float *values;
 };
+
+/* Whether a variable is called like heights or depths. */
+bool pel_raster_is_height_name(const char *name);
+
+/* The first band in memory, as it is, with what has no data as NaN; rows from
+ * north and columns from west where a georeference says which they are. */
+PEL_CHECK enum pel_err pel_raster_read_plain(GDALDatasetH set,
+                                             struct pel_raster_plain *out,
+                                             struct pel_fault *fault);
+/* A raster in GDAL's memory of the values, which stay ours; NULL: no memory. */
+GDALDatasetH pel_raster_of_plain(const struct pel_raster_plain *plain);
 
 /* Pixels of a plain picture: an OpenEXR, or a raster without georeference. */
 #define PEL_RASTER_MOST_PIXELS (64 << 20)

@@ -1,0 +1,51 @@
+/* What a raster's numbers mean, by all that its file says: which way they grow
+ * and in what unit. For pelagos-seabed. */
+#pragma once
+
+#include <gdal.h>
+#include <stdbool.h>
+
+#include "base/err.h"
+
+/* What the file says of its numbers, in its words; "": nothing. */
+struct pel_raster_said {
+    char name[64]; /* of the variable */
+    char standard[96], long_name[96];
+    char positive[24], unit[48];
+    bool netcdf;    /* ncatted mends it, else gdal_edit.py */
+    bool up_by_bag; /* heights by the format, whatever its CRS calls itself */
+};
+
+enum pel_raster_way {
+    PEL_RASTER_AS_ASKED, /* the file says nothing: as seabed.values has it */
+    PEL_RASTER_UP,
+    PEL_RASTER_DOWN,
+    PEL_RASTER_BY_SIGN, /* called a depth: down where nothing is below 0 */
+};
+
+struct pel_raster_meaning {
+    double metres; /* a unit of the file */
+    enum pel_raster_way way;
+    bool by_crs; /* the way is known from the vertical CRS alone */
+    char why[128];
+};
+
+/* By a standard_name of CF, or one that begins as plainly. */
+enum pel_raster_way pel_raster_way_of_name(const char *name);
+
+/* The attributes that GDAL keeps with a band. */
+void pel_raster_said_by_band(GDALRasterBandH band, struct pel_raster_said *out);
+
+/* INVALID: a unit that is not known; two statements that contradict each
+ * other, or seabed.values (`depths`); *fault says which, and the cure. */
+PEL_CHECK enum pel_err pel_raster_mean(const struct pel_raster_said *said,
+                                       OGRSpatialReferenceH srs, bool depths,
+                                       struct pel_raster_meaning *out,
+                                       struct pel_fault *fault);
+
+/* The factor of the file's numbers to heights, by the least and the greatest
+ * of them that were read. */
+PEL_CHECK enum pel_err pel_raster_sign(const struct pel_raster_meaning *meaning,
+                                       bool depths, double least,
+                                       double greatest, double *factor,
+                                       struct pel_fault *fault);
