@@ -118,16 +118,29 @@ static void what_is_switched_off_ends(void **state)
     assert_near(s->sea->wind_speed, 15, 0);
     assert_true(s->water->chlorophyll != green);
     begin();
-    with(PEL_CIGI_KIND_MARITIME, PEL_CIGI_MARITIME_HEIGHT, 2.0, 0);
     with(PEL_CIGI_KIND_WEATHER, PEL_CIGI_WEATHER_VISIBILITY, 700.0,
          PEL_CIGI_WEATHER_WIND, 15.0, 0);
     send();
     s = pel_scene_state(scene);
-    assert_near(s->sea->level, level, 0);
-    assert_near(s->sea->whitecaps, whitecaps, 0);
     assert_near(s->sky->visibility, metres, 0);
     assert_near(s->sea->wind_speed, mps, 0);
+    /* The whole sea's conditions have no switch: Reset ends them. */
+    begin();
+    with(PEL_CIGI_KIND_MARITIME, PEL_CIGI_MARITIME_HEIGHT, 3.0,
+         PEL_CIGI_MARITIME_CLARITY, 20.0, PEL_CIGI_MARITIME_WHITECAPS, 1.0, 0);
+    send();
+    s = pel_scene_state(scene);
+    assert_near(s->sea->level, 3, 0);
+    assert_near(s->sea->whitecaps, whitecaps, 0);
+    assert_true(s->water->chlorophyll != green);
+    begin_in_mode(0, 0);
+    send();
+    s = pel_scene_state(scene);
+    assert_near(s->sea->level, level, 0);
+    assert_near(s->sea->whitecaps, whitecaps, 0);
     assert_near(s->water->chlorophyll, green, 0);
+    begin(); /* operate again */
+    send();
 }
 
 static void reset_takes_back(void **state)

@@ -160,16 +160,19 @@ static void take_weather(struct pel_cigi_edit *edit,
         pel_cigi_wrap(pel_cigi_get(p, PEL_CIGI_WEATHER_WIND_DIRECTION));
 }
 
+/* "Disabled" says that a region is as the whole sea is; CIGI 3.3, 4.1.13
+ * has it ignored for the whole sea itself. */
 static void take_maritime(struct pel_cigi_edit *edit,
                           const struct pel_cigi_packet *p)
 {
-    struct pel_cigi_conditions *c =
-        conditions_of(edit, pel_cigi_get(p, PEL_CIGI_MARITIME_SCOPE),
-                      pel_cigi_get(p, PEL_CIGI_MARITIME_REGION));
+    double scope = pel_cigi_get(p, PEL_CIGI_MARITIME_SCOPE);
+    struct pel_cigi_conditions *c = conditions_of(
+        edit, scope, pel_cigi_get(p, PEL_CIGI_MARITIME_REGION));
     if (!c) {
         return;
     }
-    c->has_chlorophyll = pel_cigi_get(p, PEL_CIGI_MARITIME_ENABLE) != 0;
+    c->has_chlorophyll =
+        scope == 0 || pel_cigi_get(p, PEL_CIGI_MARITIME_ENABLE) != 0;
     c->chlorophyll_mg_m3 =
         pel_cigi_chlorophyll(pel_cigi_get(p, PEL_CIGI_MARITIME_CLARITY));
     c->has_level = c->has_chlorophyll;

@@ -281,6 +281,22 @@ static void weather_goes_over_across_the_transition(void **state)
         last_mps = s->sea->wind_speed;
     }
     assert_near(last_mps, 4, 0);
+    /* Back in the middle; a region's conditions have a switch, which the
+     * whole sea's have not. */
+    begin();
+    place_ship(1, 52.6, 0);
+    send();
+    begin();
+    with(PEL_CIGI_KIND_MARITIME, PEL_CIGI_MARITIME_HEIGHT, 1.0,
+         PEL_CIGI_MARITIME_CLARITY, 50.0, 0);
+    send();
+    assert_near(pel_scene_state(scene)->sea->level, 4, 0.01);
+    begin();
+    with(PEL_CIGI_KIND_MARITIME, PEL_CIGI_MARITIME_REGION, 3.0,
+         PEL_CIGI_MARITIME_SCOPE, 1.0, PEL_CIGI_MARITIME_HEIGHT, 4.0,
+         PEL_CIGI_MARITIME_CLARITY, 50.0, 0);
+    send();
+    assert_near(pel_scene_state(scene)->sea->level, 1, 0.01);
 }
 
 static void components_give_whole_sea_states(void **state)
