@@ -130,6 +130,12 @@ class Plans(unittest.TestCase):
             path = os.path.join(folder, "plan.json")
             for text, said in (
                     ("{", "no JSON"), ('{"seed": 1, "seed": 2}', "twice"),
+                    ("[" * 100000, "line 1 is nested deeper than 32"),
+                    ('{"seed": 1,\n"state": ' + '{"a":' * 40 + "1" + "}" * 41,
+                     "line 2 is nested deeper than 32"),
+                    ('{"state": {"sea": {"windSpeed": 1e999}}}',
+                     "1e999 is no finite number"),
+                    ('{"seed": NaN}', "NaN is no finite number"),
                     (json.dumps(changed(frames=7)), "frames is 7")):
                 pathlib.Path(path).write_text(text)
                 done = ctl("run", path, "-o", os.path.join(folder, "out"),

@@ -104,7 +104,7 @@ def refusal(status: int, body: bytes) -> Refused:
     """The exception for an answer of 400 and above."""
     try:
         problem = json.loads(body)
-    except ValueError:
+    except (ValueError, RecursionError):
         problem = {}
     if not isinstance(problem, dict):
         problem = {}

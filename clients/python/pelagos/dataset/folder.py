@@ -22,6 +22,7 @@ import tarfile
 from collections.abc import Iterator
 from typing import Any
 
+from . import jsontext
 from .fields import BadPlan
 from .plan import Plan
 
@@ -80,11 +81,15 @@ class Folder:
     def set(self) -> dict[str, Any]:
         try:
             with open(self.at("set.json"), encoding="utf-8") as file:
-                content: dict[str, Any] = json.load(file)
-                return content
+                content = jsontext.parse(file.read())
         except FileNotFoundError:
             raise BadPlan(f"{self.path} is no data set: it has no set.json"
                           ) from None
+        except ValueError as error:
+            raise BadPlan(f"{self.at('set.json')}: no JSON: {error}") from None
+        if not isinstance(content, dict):
+            raise BadPlan(f"{self.at('set.json')} is no JSON object")
+        return content
 
     def plan(self) -> Plan:
         content = self.set()

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import IO, Any
 
 from ..coco import Coco
+from . import jsontext
 from .card import Card
 from .fields import field_at
 from .folder import Folder, digest_of
@@ -41,7 +42,11 @@ def samples(path: str) -> Iterator[tuple[dict[str, Any], dict[str, int]]]:
             if ending == "json":
                 file = tar.extractfile(member)
                 assert file
-                about = json.load(file)
+                try:
+                    about = jsontext.parse(file.read().decode())
+                except ValueError as error:
+                    raise Incomplete(f"{path}: {member.name}: no JSON: "
+                                     f"{error}") from None
         if key:
             yield _whole(path, key, about), sizes
 

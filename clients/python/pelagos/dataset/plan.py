@@ -12,6 +12,7 @@ import re
 from typing import Any
 
 from ..schema import FORMATS, LAYERS, LINEAR_FORMATS
+from . import jsontext
 from .fields import BadPlan, check_patch, field_at, near
 from .sample import Distribution, rounded, uniform
 from .traffic import Group
@@ -276,7 +277,7 @@ def read_plan(path: str) -> Plan:
     """Of a file; BadPlan says what is wrong with it."""
     try:
         with open(path, encoding="utf-8") as file:
-            content = json.load(file, object_pairs_hook=_once)
+            content = jsontext.parse(file.read())
     except OSError as error:
         raise BadPlan(f"{path}: {error.strerror}") from None
     except ValueError as error:
@@ -285,14 +286,6 @@ def read_plan(path: str) -> Plan:
         return Plan(content, os.path.dirname(path) or ".")
     except BadPlan as error:
         raise BadPlan(f"{path}: {error}") from None
-
-
-def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    names = [name for name, _ in pairs]
-    for name in names:
-        if names.count(name) > 1:
-            raise ValueError(f"{name!r} is there twice")
-    return dict(pairs)
 
 
 def _within(content: dict[str, Any], key: str, low: float, high: float,
