@@ -821,7 +821,7 @@ EXERCISES = $(wildcard clients/exercises/*.json)
 VIEWERS := packaging/nginx/edge.conf packaging/haproxy/haproxy.cfg \
     packaging/haproxy/placed.cfg     packaging/relay/pelagos-relay
 
-# What `install` puts where, for `uninstall`; then the folders that are ours.
+# What `install` puts where, for `uninstall`; then the folders.
 INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
     $(addprefix $(D)/libexec/pelagos/,pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents pelagos-weather) \
     $(addprefix $(L)/,libpelagos.a $(SHARED) libpelagos.so.$(ABI) libpelagos.so \
@@ -836,8 +836,11 @@ INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
     $(D)/share/fish/vendor_completions.d/pelagosctl.fish \
     $(DESTDIR)$(UNITDIR)/pelagosd.service \
     $(DESTDIR)$(SYSUSERSDIR)/pelagos.conf $(DESTDIR)$(TMPFILESDIR)/pelagos.conf
-INSTALLED_FOLDERS = $(D)/libexec/pelagos $(D)/include/pelagos \
-    $(D)/share/pelagos/exercises $(D)/share/pelagos/viewers $(D)/share/pelagos $(DESTDIR)$(SYSCONFDIR)/pelagos
+# The deepest first. Those that `install` made it names in FOLDERS, so that
+# `uninstall` takes no folder of others, empty or not.
+above = $(if $(filter-out / . $(DESTDIR) $(DESTDIR)/,$(1)),$(1) $(call above,$(patsubst %/,%,$(dir $(1)))))
+INSTALLED_FOLDERS = $(shell printf '%s\n' $(sort $(foreach f,$(patsubst %/,%,$(dir $(INSTALLED))) $(DESTDIR)$(SYSCONFDIR)/pelagos,$(call above,$(f)))) | sort -r)
+FOLDERS = $(D)/share/pelagos/folders
 
 # The loader finds a new library once it is told; a package's own scripts do it
 # where DESTDIR is.
@@ -845,7 +848,10 @@ TELL_LOADER = $(Q)if [ -z '$(DESTDIR)' ] && [ "$$(id -u)" = 0 ]; then ldconfig; 
 
 .PHONY: install
 install: all man $(O)/pelagos.pc $(O)/libpelagos.a $(O)/$(SHARED) ## install below PREFIX (/usr/local) and DESTDIR
-	install -d $(sort $(dir $(INSTALLED))) $(DESTDIR)$(SYSCONFDIR)/pelagos
+	$(Q)made=$$(for folder in $(INSTALLED_FOLDERS); do \
+	    [ -d $$folder ] || echo $${folder#$(DESTDIR)}; done) && \
+	install -d $(sort $(dir $(INSTALLED))) $(DESTDIR)$(SYSCONFDIR)/pelagos && \
+	if [ -n "$$made" ]; then printf '%s\n' $$made >>$(FOLDERS); fi
 	install -m755 $(O)/bin/pelagosd $(O)/bin/pelagosctl $(D)/bin
 	install -m755 $(O)/bin/pelagos-seabed $(O)/bin/pelagos-model \
 	    $(O)/bin/pelagos-panorama $(O)/bin/pelagos-spectrum $(O)/bin/pelagos-continents $(O)/bin/pelagos-weather $(D)/libexec/pelagos
@@ -878,13 +884,15 @@ install: all man $(O)/pelagos.pc $(O)/libpelagos.a $(O)/$(SHARED) ## install bel
 
 .PHONY: uninstall
 uninstall: ## remove what `install` with the same PREFIX and DESTDIR put there
-	rm -f $(INSTALLED)
-	$(TELL_LOADER)
-	$(Q)conf=$(DESTDIR)$(SYSCONFDIR)/pelagos/pelagosd.conf; \
+	$(Q)made=$$(sort -ru $(FOLDERS) 2>/dev/null); \
+	rm -f $(INSTALLED) $(FOLDERS); \
+	conf=$(DESTDIR)$(SYSCONFDIR)/pelagos/pelagosd.conf; \
 	if cmp -s packaging/pelagosd.conf $$conf; then rm -f $$conf; \
-	elif [ -e $$conf ]; then echo "kept, since it was changed: $$conf"; fi
-	$(Q)for folder in $(INSTALLED_FOLDERS); do \
-	    [ ! -d $$folder ] || rmdir --ignore-fail-on-non-empty $$folder; done
+	elif [ -e $$conf ]; then echo "kept, since it was changed: $$conf"; fi; \
+	for folder in $$made; do folder=$(DESTDIR)$$folder; \
+	    [ ! -d $$folder ] || [ -L $$folder ] || \
+	        rmdir --ignore-fail-on-non-empty $$folder; done
+	$(TELL_LOADER)
 
 # --- packages to hand on ----------------------------------------------------
 DIST := build/dist

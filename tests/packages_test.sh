@@ -14,8 +14,8 @@ fail() {
     echo "FAILED: $*"
     failed=1
 }
-files() { # below a folder, without folders
-    (cd "$1" && find . ! -type d | sort)
+files() { # below a folder, folders too
+    (cd "$1" && find . | sort)
 }
 # As what is here was built, so that nothing is built anew.
 dev=
@@ -32,6 +32,7 @@ root=$work/root
 mkdir -p "$root/opt/one/share/pelagos" "$root/opt/one/lib"
 echo ours >"$root/opt/one/share/pelagos/harbour.json"
 echo ours >"$root/opt/one/lib/libother.so"
+mkdir "$root/opt/one/bin" # empty, and not ours
 files "$root" >"$work/before"
 make_ PREFIX=/opt/one DESTDIR="$root" install
 files "$root" >"$work/after"
@@ -45,16 +46,18 @@ echo '# mine' >>"$root/etc/pelagos/pelagosd.conf"
 make_ PREFIX=/opt/one DESTDIR="$root" uninstall
 grep -q 'kept, since it was changed' "$work/log" ||
     fail "uninstall says nothing of the changed file"
-diff <(cat "$work/before"; echo ./etc/pelagos/pelagosd.conf) \
-    <(files "$root") >/dev/null || [ -e "$root/etc/pelagos/pelagosd.conf" ] ||
-    fail "uninstall took a file that was changed"
+diff <({ cat "$work/before"
+    printf '%s\n' ./etc ./etc/pelagos ./etc/pelagos/pelagosd.conf; } | sort) \
+    <(files "$root") || fail "uninstall took a file that was changed"
 rm -r "$root"
 
 echo "== each file has its Debian package"
 make_ PREFIX=/usr SYSCONFDIR=/etc LIBDIR=/usr/lib/any-triplet \
     UNITDIR=/lib/systemd/system SYSUSERSDIR=/usr/lib/sysusers.d \
     TMPFILESDIR=/usr/lib/tmpfiles.d DESTDIR="$root" install
-# debian/rules moves zsh's completions to where Debian has them.
+# debian/rules moves zsh's completions to where Debian has them, and leaves out
+# what `make uninstall` alone reads.
+rm "$root/usr/share/pelagos/folders"
 mv "$root/usr/share/zsh/site-functions" "$root/usr/share/zsh/vendor-completions"
 /usr/bin/python3 - "$root" packaging/debian/*.install <<'END' || fail "a file of make install is in no package"
 import fnmatch, os, sys
