@@ -85,6 +85,38 @@ static enum pel_client_code login_by_environment(struct pel_client *client,
     return code;
 }
 
+/* What is wanted, with what was probably meant: protobuf has another port than
+ * HTTP. */
+static enum pel_client_code bad_address(struct pel_client_error *error,
+                                        const char *address)
+{
+    static const char wanted[] =
+        "is not tcp:HOST:PORT, tls:HOST:PORT or unix:PATH";
+    const char *host = strstr(address, "://");
+    if (host) {
+        bool secure = host - address == 5; /* https */
+        host += 3;
+        size_t length = strcspn(host, *host == '[' ? "]/" : ":/");
+        length += host[length] == ']';
+        return client_fail(
+            error, PEL_CLIENT_BAD_ADDRESS,
+            "\"%.60s\" %s; protobuf has a port of its own beside HTTP's "
+            "(pelagosd --tcp); did you mean %s:%.*s:7878?",
+            address, wanted, secure ? "tls" : "tcp",
+            (int)(length < 60 ? length : 60), host);
+    }
+    const char *scheme = address[0] == '/' ? "unix:"
+                         : strncmp(address, "tcp:", 4) == 0 ||
+                                 strncmp(address, "tls:", 4) == 0 ||
+                                 strncmp(address, "unix:", 5) == 0 ||
+                                 !strchr(address, ':')
+                             ? NULL
+                             : "tcp:";
+    return client_fail(error, PEL_CLIENT_BAD_ADDRESS, "\"%.60s\" %s%s%s%.60s",
+                       address, wanted, scheme ? "; did you mean " : "",
+                       scheme ? scheme : "", scheme ? address : "");
+}
+
 enum pel_client_code pel_client_connect(const char *address, int timeout_ms,
                                         struct pel_client **out,
                                         struct pel_client_error *error)
@@ -101,11 +133,7 @@ enum pel_client_code pel_client_connect(const char *address, int timeout_ms,
     case STREAM_OPENED:
         break;
     case STREAM_BAD_ADDRESS:
-        return client_fail(
-            error, PEL_CLIENT_BAD_ADDRESS,
-            "\"%s\" is not tcp:HOST:PORT, tls:HOST:PORT or unix:PATH%s%s",
-            address, strchr(address, ':') ? "; did you mean tcp:" : "",
-            strchr(address, ':') ? address : "");
+        return bad_address(error, address);
     case STREAM_UNREACHABLE:
         return client_fail(error, PEL_CLIENT_UNREACHABLE,
                            "pelagosd does not answer at %s: %s", address, why);

@@ -337,8 +337,18 @@ static void test_addresses(void **state)
     static const struct {
         const char *address;
         enum pel_client_code code;
+        const char *said;
     } cases[] = {
-        { "127.0.0.1:1", PEL_CLIENT_BAD_ADDRESS },
+        { "127.0.0.1:1", PEL_CLIENT_BAD_ADDRESS, "mean tcp:127.0.0.1:1" },
+        { "http://127.0.0.1:8080", PEL_CLIENT_BAD_ADDRESS,
+          "mean tcp:127.0.0.1:7878?" },
+        { "https://ship.example/v1", PEL_CLIENT_BAD_ADDRESS,
+          "mean tls:ship.example:7878?" },
+        { "http://[::1]:8080/", PEL_CLIENT_BAD_ADDRESS,
+          "mean tcp:[::1]:7878?" },
+        { "/run/pelagos/socket", PEL_CLIENT_BAD_ADDRESS,
+          "mean unix:/run/pelagos/socket" },
+        { "localhost", PEL_CLIENT_BAD_ADDRESS, "tcp:HOST:PORT" },
         { "tcp:", PEL_CLIENT_BAD_ADDRESS },
         { "tcp:host", PEL_CLIENT_BAD_ADDRESS },
         { "tcp::1", PEL_CLIENT_BAD_ADDRESS },
@@ -356,6 +366,10 @@ static void test_addresses(void **state)
             cases[i].code);
         assert_int_equal(error.code, cases[i].code);
         assert_non_null(strstr(error.message, cases[i].address));
+        assert_null(strstr(error.message, "tcp:tcp:"));
+        if (cases[i].said) {
+            assert_non_null(strstr(error.message, cases[i].said));
+        }
     }
 }
 
