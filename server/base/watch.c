@@ -1,6 +1,5 @@
 #include "base/watch.h"
 
-#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 #include <time.h>
@@ -8,14 +7,17 @@
 #include "base/clock.h"
 #include "base/log.h"
 
-#define LOG_NS 60000000000LL
+#define MINUTE_NS 60000000000LL
+#define HOUR_NS (60 * MINUTE_NS)
+#define WAITED_NS 50000000LL
 #define OTHER 0
 
 struct site {
     const char *what;
     uint64_t count, stalls;
     int64_t own_ns; /* in the dispatch at hand */
-    int64_t stalled_ns, longest_ns, logged_ns;
+    int64_t stalled_ns, longest_ns;
+    struct pel_watch_told told;
 };
 
 static struct {
@@ -64,19 +66,32 @@ static int site_of(const char *what)
     return watch.count++;
 }
 
+bool pel_watch_tells(struct pel_watch_told *told, int64_t took_ns,
+                     int64_t cpu_ns, int64_t now_ns)
+{
+    if ((cpu_ns <= PEL_WATCH_LIMIT_NS && took_ns < WAITED_NS) ||
+        (told->rest_ns > 0 && now_ns - told->at_ns < told->rest_ns)) {
+        return false;
+    }
+    told->at_ns = now_ns;
+    told->rest_ns = told->rest_ns == 0            ? MINUTE_NS
+                    : 2 * told->rest_ns < HOUR_NS ? 2 * told->rest_ns
+                                                  : HOUR_NS;
+    return true;
+}
+
 static void stalled(struct site *site, int64_t took_ns, int64_t now_ns)
 {
+    int64_t cpu_ns = processor_ns() - watch.cpu_ns;
     site->stalls++;
     site->stalled_ns += took_ns;
     site->longest_ns = took_ns > site->longest_ns ? took_ns : site->longest_ns;
-    if (site->logged_ns == 0 || now_ns - site->logged_ns > LOG_NS) {
-        site->logged_ns = now_ns;
+    if (pel_watch_tells(&site->told, took_ns, cpu_ns, now_ns)) {
         pel_info("CTL-001",
                  "the control thread was busy for %.1f ms with \"%s\" (%.1f ms "
                  "of processor since it woke), %llu times by now: meanwhile "
                  "nobody else was answered",
-                 (double)took_ns * 1e-6, site->what,
-                 (double)(processor_ns() - watch.cpu_ns) * 1e-6,
+                 (double)took_ns * 1e-6, site->what, (double)cpu_ns * 1e-6,
                  (unsigned long long)site->stalls);
     }
 }

@@ -1,9 +1,10 @@
 /* What keeps the control thread busy for longer than a millisecond: counted by
- * what it was, told in the log (CTL-001, at most once a minute for each) and in
+ * what it was, told in the log (CTL-001, seldom: struct pel_watch_told) and in
  * the metrics. Costs two readings of the clock for each thing that the loop
  * dispatches. Other threads, and programs that never begin, pay a load. */
 #pragma once
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "base/metrics.h"
@@ -37,6 +38,18 @@ void pel_watch_leave(const struct pel_watch_scope *scope);
  * stall. */
 uint64_t pel_watch_count(const char *what);
 uint64_t pel_watch_stalls(const char *what);
+
+/* When a name was told of in the log, and how long it is not again: a minute,
+ * then twice as long each time, an hour at most. Zero at first. */
+struct pel_watch_told {
+    int64_t at_ns, rest_ns;
+};
+/* Whether it is told of now. took_ns: how long everything else waited; cpu_ns:
+ * what the thread computed meanwhile. One that did not compute had to wait for
+ * the processor, which a busy machine does to everybody: that is told where it
+ * took 50 ms. */
+bool pel_watch_tells(struct pel_watch_told *told, int64_t took_ns,
+                     int64_t cpu_ns, int64_t now_ns);
 
 /* pelagos_control_*; `user` is not used. */
 void pel_watch_collect(void *user, struct pel_metrics_page *page);

@@ -111,11 +111,32 @@ static void other_threads_are_not_watched(void **state)
     assert_int_equal(pel_watch_count("elsewhere"), 0);
 }
 
+/* Of ten hours with a stall a second few lines are left, and none of what only
+ * waited for a busy machine. */
+static void the_log_is_not_filled(void **state)
+{
+    (void)state;
+    const int64_t ms = 1000000, second = 1000 * ms;
+    struct pel_watch_told told = { 0 }, waited = { 0 };
+    int64_t last_s = -60;
+    int lines = 0;
+    for (int64_t s = 0; s < 36000; s++) {
+        bool tells = pel_watch_tells(&told, 3 * ms, 2 * ms, s * second);
+        assert_true(!tells || s - last_s >= 60);
+        last_s = tells ? s : last_s;
+        lines += tells;
+        assert_false(pel_watch_tells(&waited, 30 * ms, ms / 2, s * second));
+    }
+    assert_in_range(lines, 8, 20);
+    assert_true(pel_watch_tells(&waited, 60 * ms, 0, 0));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stalls_are_seen),
         cmocka_unit_test(other_threads_are_not_watched),
+        cmocka_unit_test(the_log_is_not_filled),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
