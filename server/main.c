@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "base/metrics.h"
 #include "base/reserve.h"
+#include "base/trial.h"
 #include "base/urgent.h"
 #include "base/watch.h"
 #include "bridges/cigi.h"
@@ -259,15 +260,15 @@ static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
         options.rtsp_address = d->rtsp_host;
     }
     if (*d->options.http_hosts) {
-        d->http_hosts = g_strsplit(d->options.http_hosts, ",", 16);
+        d->http_hosts = pel_options_split(d->options.http_hosts);
         options.http_hosts = (const char *const *)d->http_hosts;
     }
     if (*d->options.allow_origin) {
-        d->origins = g_strsplit(d->options.allow_origin, ",", 16);
+        d->origins = pel_options_split(d->options.allow_origin);
         options.http_origins = (const char *const *)d->origins;
     }
     if (*d->options.trust_proxy) {
-        d->proxies = g_strsplit(d->options.trust_proxy, ",", 16);
+        d->proxies = pel_options_split(d->options.trust_proxy);
         options.http_proxies = (const char *const *)d->proxies;
     }
     if (*d->options.whep_ports) {
@@ -276,7 +277,7 @@ static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
                                       &options.whep_port_max);
     }
     if (*d->options.whep_servers) {
-        d->relays = g_strsplit(d->options.whep_servers, ",", 16);
+        d->relays = pel_options_split(d->options.whep_servers);
         options.whep_servers = (const char *const *)d->relays;
     }
     return pel_net_create(&options, d->scene, d->frames, &d->net, fault);
@@ -576,6 +577,30 @@ static int run(struct daemon *d)
     return status;
 }
 
+/* Everything is made as for a start, but for what would show outside. */
+static int check(struct daemon *d)
+{
+    struct pel_fault fault = { 0 };
+    pel_trial_begin();
+    if (d->options.log_level > PEL_LOG_WARNING) {
+        pel_log_set_level(PEL_LOG_WARNING); /* nothing has begun */
+    }
+    d->loop = g_main_loop_new(NULL, FALSE);
+    pel_service_limits();
+    bool good = start(d, &fault) == PEL_OK;
+    bool joined = finish(d);
+    if (good) {
+        printf("the options are good\n");
+    } else {
+        fprintf(stderr, "pelagosd: cannot start: %s\n", fault.message);
+    }
+    fflush(stdout);
+    if (!joined) {
+        _exit(good ? EXIT_SUCCESS : EXIT_FAILURE);
+    }
+    return good ? EXIT_SUCCESS : EXIT_FAILURE;
+}
+
 int main(int argc, char **argv)
 {
     static struct daemon d;
@@ -590,6 +615,7 @@ int main(int argc, char **argv)
         return EXIT_USAGE;
     }
     signal(SIGPIPE, SIG_IGN);
+    pel_log_set_format((enum pel_log_format)d.options.log_format);
     pel_log_set_level((enum pel_log_level)d.options.log_level);
     switch (action) {
     case PEL_ACTION_RUN:
@@ -606,12 +632,11 @@ int main(int argc, char **argv)
     case PEL_ACTION_COMPLETION:
         pel_options_print_completion(stdout);
         break;
-    case PEL_ACTION_EXAMPLE:
-        pel_options_print_example(stdout);
+    case PEL_ACTION_CONFIG:
+        pel_options_print_config(stdout, &d.options);
         break;
     case PEL_ACTION_CHECK:
-        printf("the options are good\n");
-        break;
+        return check(&d);
     }
     return EXIT_SUCCESS;
 }

@@ -10,6 +10,7 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "base/nearest.h"
+#include "bridges/target.h"
 
 #define MOST_CONFIG (1 << 20) /* bytes */
 
@@ -144,13 +145,25 @@ bool pel_options_split_ports(const char *text, uint16_t *first, uint16_t *last)
     return true;
 }
 
+static enum pel_err set_list(const struct pel_option *option, const char *value,
+                             const char *where, struct pel_options *options,
+                             struct pel_fault *fault)
+{
+    char text[PEL_OPTION_TEXT], why[256];
+    if (pel_options_list(option, value, text, why, sizeof why) != PEL_OK) {
+        return refuse(fault, option, where, value, why);
+    }
+    g_strlcpy(field(option, options), text, PEL_OPTION_TEXT);
+    return PEL_OK;
+}
+
 static enum pel_err set_text(const struct pel_option *option, const char *value,
                              const char *where, struct pel_options *options,
                              struct pel_fault *fault)
 {
     char *text = field(option, options);
     bool can_be_off = option->kind != PEL_OPTION_TEXT_KIND;
-    char host[64];
+    char host[PEL_TARGET_HOST];
     uint16_t port;
     if (strlen(value) >= PEL_OPTION_TEXT) {
         return refuse(fault, option, where, value,
@@ -165,6 +178,15 @@ static enum pel_err set_text(const struct pel_option *option, const char *value,
         return refuse(fault, option, where, value,
                       "is neither ADDRESS:PORT (127.0.0.1:8080, [::1]:8080, "
                       "port 0 .. 65535) nor off");
+    }
+    if (option->kind == PEL_OPTION_TARGET &&
+        (!pel_target_split(value, host, &port) || port == 0)) {
+        return refuse(fault, option, where, value,
+                      "is neither HOST:PORT (127.0.0.1:8000, [::1]:8000, "
+                      "vm.example:8000, port 1 .. 65535) nor off");
+    }
+    if (option->kind == PEL_OPTION_LIST) {
+        return set_list(option, value, where, options, fault);
     }
     if (option->kind == PEL_OPTION_PATH && *value == 0) {
         return refuse(fault, option, where, value, "is no path; try off");
@@ -187,6 +209,8 @@ enum pel_err pel_option_set(const struct pel_option *option, const char *value,
         return set_flag(option, value, where, options, fault);
     case PEL_OPTION_TEXT_KIND:
     case PEL_OPTION_ADDRESS:
+    case PEL_OPTION_TARGET:
+    case PEL_OPTION_LIST:
     case PEL_OPTION_PATH:
         break;
     }
@@ -208,10 +232,51 @@ bool pel_option_equal(const struct pel_option *option,
         return *(const bool *)x == *(const bool *)y;
     case PEL_OPTION_TEXT_KIND:
     case PEL_OPTION_ADDRESS:
+    case PEL_OPTION_TARGET:
+    case PEL_OPTION_LIST:
     case PEL_OPTION_PATH:
         break;
     }
     return strcmp(x, y) == 0;
+}
+
+void pel_option_text(const struct pel_option *option,
+                     const struct pel_options *options,
+                     char out[PEL_OPTION_TEXT])
+{
+    const void *at = (const char *)options + option->offset;
+    switch (option->kind) {
+    case PEL_OPTION_DOUBLE: {
+        double number = *(const double *)at;
+        const char *word = NULL;
+        for (int i = 0; option->choices && option->choices[i]; i++) {
+            word = number == option->values[i] ? option->choices[i] : word;
+        }
+        g_snprintf(out, PEL_OPTION_TEXT, "%.15g", number);
+        if (word) {
+            g_strlcpy(out, word, PEL_OPTION_TEXT);
+        }
+        return;
+    }
+    case PEL_OPTION_INT:
+        g_snprintf(out, PEL_OPTION_TEXT, "%d", *(const int *)at);
+        return;
+    case PEL_OPTION_CHOICE:
+        g_strlcpy(out, option->choices[*(const int *)at], PEL_OPTION_TEXT);
+        return;
+    case PEL_OPTION_FLAG:
+        g_strlcpy(out, *(const bool *)at ? "yes" : "no", PEL_OPTION_TEXT);
+        return;
+    case PEL_OPTION_ADDRESS:
+    case PEL_OPTION_TARGET:
+    case PEL_OPTION_PATH:
+        g_strlcpy(out, *(const char *)at ? at : "off", PEL_OPTION_TEXT);
+        return;
+    case PEL_OPTION_LIST:
+    case PEL_OPTION_TEXT_KIND:
+        break;
+    }
+    g_strlcpy(out, at, PEL_OPTION_TEXT);
 }
 
 void pel_options_log_changes(const struct pel_options *from,
@@ -287,6 +352,7 @@ static enum pel_err set_key(GKeyFile *file, const char *path, const char *group,
     char *value = g_key_file_get_string(file, group, key, NULL);
     enum pel_err err =
         pel_option_set(option, value ? value : "", where, options, fault);
+    options->from[option - pel_option_table] = path;
     g_free(value);
     return err;
 }
@@ -337,7 +403,7 @@ static bool read_action(const char *name, enum pel_options_action *action)
         { "version", PEL_ACTION_VERSION },
         { "print-man", PEL_ACTION_MAN },
         { "print-completion", PEL_ACTION_COMPLETION },
-        { "print-config", PEL_ACTION_EXAMPLE },
+        { "print-config", PEL_ACTION_CONFIG },
         { "check", PEL_ACTION_CHECK },
     };
     for (size_t i = 0; i < sizeof actions / sizeof *actions; i++) {
@@ -431,6 +497,7 @@ static enum pel_err apply_argument(const struct argument *argument,
         return refuse_unknown(argument->name, fault);
     }
     snprintf(where, sizeof where, "--%s", argument->name);
+    options->from[option - pel_option_table] = "the command line";
     return pel_option_set(option, argument->value ? argument->value : "yes",
                           where, options, fault);
 }
@@ -476,34 +543,6 @@ static bool is_loopback(const char *address)
                                                  : strcmp(host, "::1") == 0;
 }
 
-static bool is_one_device(const char *text, size_t length)
-{
-    static const char *const words[] = { "auto", "software" };
-    for (int i = 0; i < 2; i++) {
-        if (strlen(words[i]) == length && memcmp(text, words[i], length) == 0) {
-            return true;
-        }
-    }
-    return length > 0 && length < 4 && strspn(text, "0123456789") >= length;
-}
-
-static bool is_device(const char *text)
-{
-    if (strcmp(text, "all") == 0) {
-        return true;
-    }
-    for (;;) {
-        size_t length = strcspn(text, ",");
-        if (!is_one_device(text, length)) {
-            return false;
-        }
-        if (text[length] == 0) {
-            return true;
-        }
-        text += length + 1;
-    }
-}
-
 /* An interface with a token of its own, on a network. */
 static enum pel_err check_open(const struct pel_options *options,
                                const char *name, const char *address,
@@ -532,21 +571,10 @@ static enum pel_err check_open(const struct pel_options *options,
 /* Whether the list of [ENTITY@]ADDRESS:PORT has this address. */
 static bool sends_to(const char *list, const char *address)
 {
-    g_auto(GStrv) words = g_strsplit(list, ",", -1);
-    for (size_t i = 0; words[i]; i++) {
+    g_auto(GStrv) words = pel_options_split(list);
+    for (size_t i = 0; words && words[i]; i++) {
         const char *at = strchr(words[i], '@');
         if (strcmp(at ? at + 1 : words[i], address) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
-static bool is_relay(const char *url)
-{
-    const char *const kinds[] = { "stun://", "turn://", "turns://" };
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
-        if (g_str_has_prefix(url, kinds[i]) && url[strlen(kinds[i])]) {
             return true;
         }
     }
@@ -563,16 +591,6 @@ static enum pel_err check_whep(const struct pel_options *options,
                              "--whep-ports: '%.60s' is not FIRST-LAST, ports "
                              "within 1 .. 65535, as 50000-50063",
                              options->whep_ports);
-    }
-    g_auto(GStrv) urls = g_strsplit(options->whep_servers, ",", 16);
-    for (size_t i = 0; urls[i]; i++) {
-        if (!is_relay(urls[i])) {
-            return pel_fault_set(fault, PEL_ERR_INVALID,
-                                 "--whep-servers: '%.60s' is neither "
-                                 "stun://HOST:PORT nor "
-                                 "turn://USER:PASSWORD@HOST:PORT",
-                                 urls[i]);
-        }
     }
     return PEL_OK;
 }
@@ -594,11 +612,11 @@ enum pel_err pel_options_check(const struct pel_options *options,
     if (check_whep(options, fault) != PEL_OK) {
         return fault->code;
     }
-    if (!is_device(options->device)) {
+    if (!*options->device ||
+        (strchr(options->device, ',') && strstr(options->device, "all"))) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "--device: '%.60s' is neither all, auto, software "
-                             "nor a number within 0 .. 999, nor several of "
-                             "these with commas between",
+                             "--device: '%.60s' is neither all nor a list of "
+                             "auto, software and numbers within 0 .. 999",
                              options->device);
     }
     if (*options->nmea && sends_to(options->nmea_out, options->nmea)) {

@@ -10,10 +10,13 @@
 #include "base/err.h"
 
 #define PEL_OPTION_TEXT 256
+#define PEL_OPTIONS_MOST 128
 
 enum pel_option_kind {
     PEL_OPTION_TEXT_KIND, /* any text */
     PEL_OPTION_ADDRESS,   /* ADDRESS:PORT, [IPV6]:PORT or off */
+    PEL_OPTION_TARGET,    /* the same, or NAME:PORT */
+    PEL_OPTION_LIST,      /* elements with commas between, or off */
     PEL_OPTION_PATH,      /* a file, or off */
     PEL_OPTION_DOUBLE,    /* or a word of `choices`, each with its value */
     PEL_OPTION_INT,
@@ -77,8 +80,12 @@ struct pel_options {
     int gl_lose, gl_lose_device;
     bool gl_lose_for_good;
     int shading, reflection;
-    int realtime;  /* enum pel_realtime */
-    int log_level; /* enum pel_log_level */
+    int realtime;   /* enum pel_realtime */
+    int log_level;  /* enum pel_log_level */
+    int log_format; /* enum pel_log_format */
+    /* Where the value of each row of the table is from: a file's path, "the
+     * command line"; NULL: its default. Those of argv, and static ones. */
+    const char *from[PEL_OPTIONS_MOST];
 };
 
 struct pel_option {
@@ -89,6 +96,10 @@ struct pel_option {
     const char *initial;     /* default, as it would be given */
     double minimum, maximum; /* of DOUBLE and INT */
     const char *unit;
+    /* Of a LIST: NULL where the element is good, else what is wrong with it.
+     * Absent: whoever takes the option says so. */
+    const char *(*element)(const char *text);
+    bool secret;                /* has passwords, which are not printed */
     const char *const *choices; /* NULL-terminated, for CHOICE and DOUBLE */
     const double *values;       /* of the words of a DOUBLE */
     bool live;                  /* SIGHUP changes it, else a restart does */
@@ -110,7 +121,7 @@ enum pel_options_action {
     PEL_ACTION_VERSION,
     PEL_ACTION_MAN,
     PEL_ACTION_COMPLETION,
-    PEL_ACTION_EXAMPLE,
+    PEL_ACTION_CONFIG,
     PEL_ACTION_CHECK,
 };
 
@@ -145,6 +156,31 @@ void pel_options_log_changes(const struct pel_options *from,
 /* Splits ADDRESS:PORT (localhost becomes 127.0.0.1); false: not one. */
 bool pel_options_split_address(const char *text, char host[64], uint16_t *port);
 
+/* The elements of a LIST's value as the options keep it, for g_strfreev();
+ * NULL: there are none. */
+char **pel_options_split(const char *list);
+
+/* Reads a list: blanks around elements go, an empty element or one that is not
+ * good is refused, with why. `out` may not be the value. */
+PEL_CHECK enum pel_err pel_options_list(const struct pel_option *option,
+                                        const char *value,
+                                        char out[PEL_OPTION_TEXT], char *why,
+                                        size_t why_size);
+
+/* What elements may be (options_list.c); see `element`. */
+const char *pel_options_host(const char *text);
+const char *pel_options_origin(const char *text);
+const char *pel_options_numeric(const char *text);
+const char *pel_options_network(const char *text);
+const char *pel_options_relay(const char *text);
+const char *pel_options_device(const char *text);
+const char *pel_options_outlet(const char *text);
+
+/* The value as it would be given. */
+void pel_option_text(const struct pel_option *option,
+                     const struct pel_options *options,
+                     char out[PEL_OPTION_TEXT]);
+
 /* Splits FIRST-LAST, 1 .. 65535, in order; false: not that. */
 bool pel_options_split_ports(const char *text, uint16_t *first, uint16_t *last);
 
@@ -152,4 +188,6 @@ bool pel_options_split_ports(const char *text, uint16_t *first, uint16_t *last);
 void pel_options_print_help(FILE *to);
 void pel_options_print_man(FILE *to);
 void pel_options_print_completion(FILE *to); /* bash */
-void pel_options_print_example(FILE *to);    /* key file */
+/* A key file of what is in force, with where each value is from; passwords are
+ * left out. */
+void pel_options_print_config(FILE *to, const struct pel_options *options);

@@ -1,8 +1,8 @@
-#include <string.h>
-
 #include "options.h"
 
 #include <glib.h>
+#include <stdlib.h>
+#include <string.h>
 
 struct action_text {
     const char *name, *help;
@@ -10,8 +10,11 @@ struct action_text {
 
 static const struct action_text actions[] = {
     { "config FILE", "Reads this key file first; the command line wins." },
-    { "check", "Says whether the options are good, and ends." },
-    { "print-config", "Writes a key file with every option, and ends." },
+    { "check", "Does what a start does short of listening, says what a start "
+               "would refuse, and ends. Nothing is written." },
+    { "print-config", "Writes a key file of every option as the files and the "
+                      "command line set it, with where each is from, and "
+                      "ends." },
     { "print-completion", "Writes completion for bash, and ends." },
     { "print-man", "Writes the manual page, and ends." },
     { "version", "Writes the version, and ends." },
@@ -232,7 +235,9 @@ static void print_words(FILE *to, const struct pel_option *o)
         fputs("auto software 0 1", to);
     } else {
         fprintf(to, "%s%s", o->initial,
-                o->kind == PEL_OPTION_ADDRESS ? " off" : "");
+                o->kind == PEL_OPTION_ADDRESS || o->kind == PEL_OPTION_TARGET
+                    ? " off"
+                    : "");
     }
 }
 
@@ -265,19 +270,67 @@ void pel_options_print_completion(FILE *to)
     fputs("\" -- \"$cur\"))\n}\ncomplete -F _pelagosd pelagosd\n", to);
 }
 
-void pel_options_print_example(FILE *to)
+/* A password may not stand in a log of who asks for help. */
+static bool has_secret(const struct pel_option *o, const char *value)
 {
-    char values[160];
-    fputs("# Key file of pelagosd; every option with its default. "
+    return o->secret && strchr(value, '@');
+}
+
+/* turn://user:SECRET@host to turn://user:***@host. */
+static void print_masked(FILE *to, const char *value)
+{
+    g_auto(GStrv) words = g_strsplit(value, ",", -1);
+    for (size_t i = 0; words[i]; i++) {
+        char *at = strrchr(words[i], '@');
+        char *start = strstr(words[i], "://");
+        char *colon = start && at
+                          ? memchr(start + 3, ':', (size_t)(at - start - 3))
+                          : NULL;
+        fprintf(to, "%s%.*s%s", i > 0 ? "," : "",
+                colon ? (int)(colon - words[i]) : (int)strlen(words[i]),
+                words[i], colon ? ":***" : "");
+        fputs(colon ? at : "", to);
+    }
+}
+
+static void print_developer(FILE *to, const struct pel_options *options)
+{
+    char value[PEL_OPTION_TEXT];
+    for (const struct pel_option *o = pel_developer_table; o->name; o++) {
+        if (getenv(o->name) && *getenv(o->name)) {
+            pel_option_text(o, options, value);
+            fprintf(to, "\n# The environment sets %s=%s, which has no key.\n",
+                    o->name, value);
+        }
+    }
+}
+
+void pel_options_print_config(FILE *to, const struct pel_options *options)
+{
+    char values[160], value[PEL_OPTION_TEXT];
+    fputs("# Key file of pelagosd: what is in force, and where it is from. "
           "See pelagosd(8).\n",
           to);
     for (const struct pel_option *o = pel_option_table; o->name; o++) {
+        const char *from = options->from[o - pel_option_table];
         if (begins_section(o)) {
             fprintf(to, "\n[%s]\n", o->section);
         }
         describe(o, values, sizeof values);
+        pel_option_text(o, options, value);
         fprintf(to, "# %s [%s]%s\n", o->help, values,
                 o->live ? " Changes on SIGHUP." : "");
-        fprintf(to, "%s=%s\n", o->name, o->initial);
+        if (from) {
+            fprintf(to, "# From %s:\n", from);
+        }
+        if (has_secret(o, value)) {
+            fputs("# Its password is not printed.\n# ", to);
+            fprintf(to, "%s=", o->name);
+            print_masked(to, value);
+            fputc('\n', to);
+        } else {
+            fprintf(to, "%s=%s\n", o->name, value);
+        }
     }
+    print_developer(to, options);
 }

@@ -19,6 +19,8 @@ static const char *const shading_words[] = { "auto", "fragment", "compute",
                                              NULL };
 static const char *const reflection_words[] = { "drawn", "paper", NULL };
 static const char *const realtime_words[] = { "auto", "off", "on", NULL };
+static const char *const form_words[] = { "auto", "text", "json", "journal",
+                                          NULL };
 static const char *const level_words[] = { "error", "warning", "info", "debug",
                                            NULL };
 
@@ -39,20 +41,21 @@ const struct pel_option pel_option_table[] = {
       .offset = FIELD(whep_ports),
       .help = "UDP ports that WebRTC's media leave from, one a session (a "
               "firewall wants to know them); absent: any free one." },
-    { "whep-servers", "network", PEL_OPTION_TEXT_KIND, "URLS", "",
+    { "whep-servers", "network", PEL_OPTION_LIST, "URLS", "",
+      .element = pel_options_relay, .secret = true,
       .offset = FIELD(whep_servers),
       .help = "Servers of STUN and TURN for WebRTC, separated by commas: "
               "stun://HOST:PORT, turn://USER:PASSWORD@HOST:PORT. Absent: none, "
               "media go from the addresses of --http." },
-    { "http-hosts", "network", PEL_OPTION_TEXT_KIND, "NAMES", "",
-      .offset = FIELD(http_hosts),
+    { "http-hosts", "network", PEL_OPTION_LIST, "NAMES", "",
+      .element = pel_options_host, .offset = FIELD(http_hosts),
       .help = "Names, separated by commas, that a proxy may give as Host." },
-    { "allow-origin", "network", PEL_OPTION_TEXT_KIND, "ORIGINS", "",
-      .offset = FIELD(allow_origin),
+    { "allow-origin", "network", PEL_OPTION_LIST, "ORIGINS", "",
+      .element = pel_options_origin, .offset = FIELD(allow_origin),
       .help = "Origins (https://desk.example), separated by commas, whose "
               "pages may show pictures and live views of this server." },
-    { "trust-proxy", "network", PEL_OPTION_TEXT_KIND, "ADDRESSES", "",
-      .offset = FIELD(trust_proxy),
+    { "trust-proxy", "network", PEL_OPTION_LIST, "ADDRESSES", "",
+      .element = pel_options_numeric, .offset = FIELD(trust_proxy),
       .help = "Addresses of proxies, separated by commas (127.0.0.1 for nginx "
               "here), whose X-Forwarded-For names the client that a "
               "connection is counted for." },
@@ -127,8 +130,9 @@ const struct pel_option pel_option_table[] = {
       .help = "Where the exercises lie, NAME.json; pelagosctl exercise loads "
               "and saves them." },
 
-    { "device", "render", PEL_OPTION_TEXT_KIND,
-      "all|auto|software|NUMBER[,NUMBER...]", "auto", .offset = FIELD(device),
+    { "device", "render", PEL_OPTION_LIST,
+      "all|auto|software|NUMBER[,NUMBER...]", "auto",
+      .element = pel_options_device, .offset = FIELD(device),
       .help = "EGL device to draw with: hardware if there is any, the "
               "processor, or the device of that number; of several the views "
               "are spread over all, of a list over those in it, and one that "
@@ -163,14 +167,14 @@ const struct pel_option pel_option_table[] = {
     { "modbus", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off",
       "127.0.0.1:1502", .offset = FIELD(modbus),
       .help = "Where Modbus/TCP is served." },
-    { "modbus-allow", "bridges", PEL_OPTION_TEXT_KIND, "PEERS", "",
-      .offset = FIELD(modbus_allow),
+    { "modbus-allow", "bridges", PEL_OPTION_LIST, "PEERS", "",
+      .element = pel_options_network, .offset = FIELD(modbus_allow),
       .help = "Addresses or networks, separated by commas, that may use "
               "Modbus; empty is this machine only." },
     { "modbus-order", "bridges", PEL_OPTION_CHOICE, "ORDER", "abcd",
       .choices = order_words, .offset = FIELD(modbus_order),
       .help = "Order of the bytes of 32-bit values." },
-    { "modbus-units", "bridges", PEL_OPTION_TEXT_KIND, "any|LIST", "any",
+    { "modbus-units", "bridges", PEL_OPTION_LIST, "any|LIST", "any",
       .offset = FIELD(modbus_units),
       .help = "Units that answer: any is 0, 1 and 255; or a list of "
               "UNIT[:ORDER[:ENTITY[:VIEW]]], each a source of its own." },
@@ -184,12 +188,12 @@ const struct pel_option pel_option_table[] = {
     { "modbus-extrapolate", "bridges", PEL_OPTION_INT, "MS", "5000", 0, 60000,
       "ms", .offset = FIELD(modbus_extrapolate_ms),
       .help = "How long the ship is reckoned on when its source is stale." },
-    { "modbus-safe", "bridges", PEL_OPTION_TEXT_KIND, "PATH=VALUE,…", "",
+    { "modbus-safe", "bridges", PEL_OPTION_LIST, "PATH=VALUE,…", "",
       .offset = FIELD(modbus_safe),
       .help = "Fields that are set after that, like "
               "views.bridge.yaw=0,views.bridge.pitch=0: a safe view. Views "
               "that it names must be there at the start." },
-    { "console", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
+    { "console", "bridges", PEL_OPTION_TARGET, "HOST:PORT|off", "off",
       .offset = FIELD(console),
       .help = "Modbus/TCP server of a bridge console, whose registers are "
               "polled." },
@@ -215,8 +219,8 @@ const struct pel_option pel_option_table[] = {
     { "nmea-tcp", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
       .offset = FIELD(nmea_tcp),
       .help = "TCP port that takes NMEA 0183; 10110 is customary." },
-    { "nmea-allow", "bridges", PEL_OPTION_TEXT_KIND, "PEERS", "",
-      .offset = FIELD(nmea_allow),
+    { "nmea-allow", "bridges", PEL_OPTION_LIST, "PEERS", "",
+      .element = pel_options_network, .offset = FIELD(nmea_allow),
       .help = "Addresses or networks, separated by commas, that may send "
               "NMEA; empty is this machine only." },
     { "nmea-entity", "bridges", PEL_OPTION_INT, "ID", "1", 0, 65535, "",
@@ -226,10 +230,11 @@ const struct pel_option pel_option_table[] = {
       .choices = wind_words, .offset = FIELD(nmea_wind),
       .help = "Whether true wind sets the sea: not, as given, or its mean "
               "over two minutes." },
-    { "nmea-out", "bridges", PEL_OPTION_TEXT_KIND, "[ENTITY@]ADDRESS:PORT,…",
-      "", .offset = FIELD(nmea_out),
+    { "nmea-out", "bridges", PEL_OPTION_LIST, "[ENTITY@]HOST:PORT,…", "",
+      .element = pel_options_outlet, .offset = FIELD(nmea_out),
       .help = "Where ships are sent as NMEA 0183 over UDP: ENTITY, else "
-              "--nmea-entity; empty or off is nowhere." },
+              "--nmea-entity; names of hosts are looked up again as they "
+              "move. Empty or off is nowhere." },
     { "nmea-out-rate", "bridges", PEL_OPTION_DOUBLE, "HZ", "1", 0.1, 50, "Hz",
       .offset = FIELD(nmea_out_rate), .help = "How often it is sent." },
     { "nmea-out-targets", "bridges", PEL_OPTION_CHOICE, "HOW", "off",
@@ -243,12 +248,12 @@ const struct pel_option pel_option_table[] = {
       .offset = FIELD(cigi),
       .help = "UDP port that takes CIGI 3.3 of a simulator host; customary is "
               "127.0.0.1:8000." },
-    { "cigi-host", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
+    { "cigi-host", "bridges", PEL_OPTION_TARGET, "HOST:PORT|off", "off",
       .offset = FIELD(cigi_host),
-      .help = "Where Start of Frame and answers go, from the start on; off is "
-              "to the host that was heard." },
-    { "cigi-allow", "bridges", PEL_OPTION_TEXT_KIND, "PEERS", "",
-      .offset = FIELD(cigi_allow),
+      .help = "Where Start of Frame and answers go, from the start on, by "
+              "number or name; off is to the host that was heard." },
+    { "cigi-allow", "bridges", PEL_OPTION_LIST, "PEERS", "",
+      .element = pel_options_network, .offset = FIELD(cigi_allow),
       .help = "Addresses or networks, separated by commas, that may send "
               "CIGI; empty is this machine only." },
     { "cigi-entities", "bridges", PEL_OPTION_PATH, "FILE|off", "off",
@@ -269,8 +274,8 @@ const struct pel_option pel_option_table[] = {
       .offset = FIELD(cigi_rate),
       .help = "Start of Frame a second, and host frames without timestamps." },
 
-    { "exercise", "nodes", PEL_OPTION_TEXT_KIND, "URL[,URL...]/NAME|off", "",
-      .offset = FIELD(exercise),
+    { "exercise", "nodes", PEL_OPTION_LIST, "URL[,URL...]/NAME|off", "",
+      .secret = true, .offset = FIELD(exercise),
       .help = "The exercise that this daemon shows together with others, which "
               "give the same: http://10.0.0.1:2379,http://10.0.0.2:2379/NAME, "
               "where etcd answers. One of them takes the edits, and all show "
@@ -303,6 +308,11 @@ const struct pel_option pel_option_table[] = {
     { "log-level", "log", PEL_OPTION_CHOICE, "LEVEL", "info",
       .choices = level_words, .live = true, .offset = FIELD(log_level),
       .help = "Records less important than this are not written." },
+    { "log-format", "log", PEL_OPTION_CHOICE, "FORM", "auto",
+      .choices = form_words, .offset = FIELD(log_format),
+      .help = "How a record is written: a line with the time in UTC, an object "
+              "of JSON a line, or as journald reads it; auto is journal where "
+              "journald reads, else text." },
     { 0 },
 };
 

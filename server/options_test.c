@@ -220,30 +220,169 @@ static void bad_key_files_say_where(void **state)
         PEL_OK);
 }
 
-static void the_example_is_the_defaults(void **state)
+static char *config_of(const struct pel_options *of)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&text, &size);
+    pel_options_print_config(file, of);
+    fclose(file);
+    return text;
+}
+
+/* What is printed is what is in force, and can be read again. */
+static void the_printed_file_is_what_is_in_force(void **state)
 {
     (void)state;
-    char *path = write_file("");
-    FILE *file = fopen(path, "w");
-    pel_options_print_example(file);
-    fclose(file);
-    struct pel_options defaults;
-    pel_options_init(&defaults);
-    assert_int_equal(READ(&options, &action, &fault, "--config", path), PEL_OK);
+    char *path = write_file("[render]\nfps=15\nquality=full\n[scene]\n"
+                            "waves=100\n[network]\nallow-origin="
+                            "https://a.example , http://b:81\n");
+    assert_int_equal(READ(&options, &action, &fault, "--fps", "20", "--config",
+                          path, "--nmea-ais", "--cigi-host", "vm:33001",
+                          "--print-config"),
+                     PEL_OK);
+    assert_int_equal(action, PEL_ACTION_CONFIG);
+    struct pel_options given = options;
+    char *text = config_of(&given);
+    g_autofree char *from = g_strdup_printf("# From %s:\nwaves=100\n", path);
+    assert_non_null(strstr(text, from));
+    assert_non_null(strstr(text, "# From the command line:\nfps=20\n"));
+    assert_non_null(strstr(text, "# From the command line:\nnmea-ais=yes\n"));
+    assert_non_null(strstr(text, "cigi-host=vm:33001\n"));
+    assert_non_null(strstr(text, "quality=full\n"));
+    assert_non_null(strstr(text, "https://a.example,http://b:81\n"));
+    assert_non_null(strstr(text, "]\ntcp=127.0.0.1:7878\n"));
+    char *again = write_file(text);
+    assert_int_equal(READ(&options, &action, &fault, "--config", again),
+                     PEL_OK);
     for (const struct pel_option *o = pel_option_table; o->name; o++) {
-        assert_true(pel_option_equal(o, &options, &defaults));
+        assert_true(pel_option_equal(o, &options, &given));
     }
+    free(text);
     unlink(path);
+    unlink(again);
     g_free(path);
+    g_free(again);
+}
+
+static void passwords_are_not_printed(void **state)
+{
+    (void)state;
+    assert_int_equal(READ(&options, &action, &fault, "--whep-servers",
+                          "stun://a:1, turn://me:hush@relay.example:3478",
+                          "--exercise",
+                          "http://root:hush@10.0.0.1:2379/bridge"),
+                     PEL_OK);
+    char *text = config_of(&options);
+    assert_null(strstr(text, "hush"));
+    assert_non_null(strstr(
+        text,
+        "\n# whep-servers=stun://a:1,turn://me:***@relay.example:3478\n"));
+    assert_non_null(
+        strstr(text, "\n# exercise=http://root:***@10.0.0.1:2379/bridge\n"));
+    free(text);
+}
+
+/* Every list is read by one reader: blanks, and why an element is none. */
+static void lists_take_blanks_and_refuse_nonsense(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *option, *value, *kept;
+    } good[] = {
+        { "--allow-origin", " https://a.example ,http://b:8080,\tapp://c",
+          "https://a.example,http://b:8080,app://c" },
+        { "--allow-origin", "https://[::1]:8443", "https://[::1]:8443" },
+        { "--http-hosts", "ship.example, bridge", "ship.example,bridge" },
+        { "--trust-proxy", "127.0.0.1 , ::1", "127.0.0.1,::1" },
+        { "--whep-servers", "stun://a:3478, turns://u:p@b",
+          "stun://a:3478,turns://u:p@b" },
+        { "--modbus-allow", "10.0.0.7, 192.168.1.0/24",
+          "10.0.0.7,192.168.1.0/24" },
+        { "--nmea-allow", " fd00::/8", "fd00::/8" },
+        { "--cigi-allow", "10.0.0.0/8 ,10.1.2.3", "10.0.0.0/8,10.1.2.3" },
+        { "--modbus-units", "1, 2:cdab", "1,2:cdab" },
+        { "--modbus-safe", "a=1, b=2", "a=1,b=2" },
+        { "--nmea-out", "127.0.0.1:1, 7@chart.example:10110, [::1]:9",
+          "127.0.0.1:1,7@chart.example:10110,[::1]:9" },
+        { "--device", "0, 1, software", "0,1,software" },
+        { "--exercise", "http://a:1, http://b:2/x", "http://a:1,http://b:2/x" },
+        { "--nmea-out", "off", "" },
+        { "--http-hosts", "  ", "" },
+    };
+    static const struct {
+        const char *option, *value, *why;
+    } bad[] = {
+        { "--allow-origin", "foo", "scheme://host[:port]" },
+        { "--allow-origin", "https://a.example, foo", "'foo'" },
+        { "--allow-origin", "*", "scheme://host[:port]" },
+        { "--allow-origin", "null", "scheme://host[:port]" },
+        { "--allow-origin", "https://a.example/", "no path" },
+        { "--allow-origin", "https://a.example/page", "no path" },
+        { "--allow-origin", "https://a.example?x", "no path" },
+        { "--allow-origin", "https://", "no host" },
+        { "--allow-origin", "https://me@a.example", "no user" },
+        { "--allow-origin", "https://a.example:0", "1 .. 65535" },
+        { "--allow-origin", "https://a.example:x", "1 .. 65535" },
+        { "--allow-origin", "https://a.example:443", "leave" },
+        { "--allow-origin", "https://a b", "no host" },
+        { "--allow-origin", "https://a.example,,https://b", "two commas" },
+        { "--trust-proxy", "nginx", "numeric" },
+        { "--trust-proxy", "127.0.0.1, 10.0.0.0/8", "numeric" },
+        { "--trust-proxy", "127.0.0.1:80", "numeric" },
+        { "--http-hosts", "http://x/", "no scheme" },
+        { "--http-hosts", "x:8080", "port" },
+        { "--http-hosts", "x/y", "name of a host" },
+        { "--http-hosts", "10.0.0.1", "numeric" },
+        { "--http-hosts", "a, ", "two commas" },
+        { "--whep-servers", "stun://a, http://b", "turn://" },
+        { "--modbus-allow", "10.0.0", "address or network" },
+        { "--nmea-allow", "bridge", "address or network" },
+        { "--cigi-allow", "10.0.0.0/33", "address or network" },
+        { "--nmea-out", "chart", "HOST:PORT" },
+        { "--nmea-out", "x@127.0.0.1:1", "HOST:PORT" },
+        { "--nmea-out", "70000@127.0.0.1:1", "HOST:PORT" },
+        { "--nmea-out", "127.0.0.1:0", "HOST:PORT" },
+        { "--nmea-out", "1.2.3:4", "HOST:PORT" },
+        { "--device", "0, gpu", "software" },
+        { "--device", "all,0", "neither all" },
+        { "--device", "off", "neither all" },
+        { "--cigi-host", "vm", "HOST:PORT" },
+        { "--cigi-host", "256.1.1.1:80", "HOST:PORT" },
+        { "--cigi-host", "vm:0", "HOST:PORT" },
+        { "--console", "a b:502", "HOST:PORT" },
+    };
+    for (size_t i = 0; i < G_N_ELEMENTS(good); i++) {
+        assert_int_equal(READ(&options, &action, &fault, (char *)good[i].option,
+                              (char *)good[i].value),
+                         PEL_OK);
+        for (const struct pel_option *o = pel_option_table; o->name; o++) {
+            if (strcmp(o->name, good[i].option + 2) == 0) {
+                char text[PEL_OPTION_TEXT];
+                assert_int_equal(o->kind, PEL_OPTION_LIST);
+                pel_option_text(o, &options, text);
+                assert_string_equal(text, good[i].kept);
+            }
+        }
+    }
+    for (size_t i = 0; i < G_N_ELEMENTS(bad); i++) {
+        enum pel_err err = READ(&options, &action, &fault,
+                                (char *)bad[i].option, (char *)bad[i].value);
+        if (err == PEL_OK || !strstr(fault.message, bad[i].why)) {
+            fail_msg("%s '%s': %s", bad[i].option, bad[i].value,
+                     err ? fault.message : "taken");
+        }
+        assert_non_null(strstr(fault.message, bad[i].option));
+    }
 }
 
 static void texts_name_every_option(void **state)
 {
     (void)state;
-    void (*const printers[])(
-        FILE *) = { pel_options_print_help, pel_options_print_man,
-                    pel_options_print_completion, pel_options_print_example };
-    for (size_t i = 0; i < 4; i++) {
+    void (*const printers[])(FILE *) = { pel_options_print_help,
+                                         pel_options_print_man,
+                                         pel_options_print_completion };
+    for (size_t i = 0; i < G_N_ELEMENTS(printers); i++) {
         char *text = NULL;
         size_t size = 0;
         FILE *file = open_memstream(&text, &size);
@@ -285,7 +424,9 @@ int main(void)
         cmocka_unit_test(key_file_is_read_before_the_command_line),
         cmocka_unit_test(unknown_options_say_what_was_meant),
         cmocka_unit_test(bad_key_files_say_where),
-        cmocka_unit_test(the_example_is_the_defaults),
+        cmocka_unit_test(the_printed_file_is_what_is_in_force),
+        cmocka_unit_test(passwords_are_not_printed),
+        cmocka_unit_test(lists_take_blanks_and_refuse_nonsense),
         cmocka_unit_test(texts_name_every_option),
         cmocka_unit_test(actions_are_found),
     };

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 import unittest
 
@@ -248,10 +249,15 @@ class Cluster(unittest.TestCase):
             services = yaml.safe_load(f)["services"]
         self.assertEqual(sorted(services), ["n1", "n2", "s1", "s2", "s3"])
         for name in ("n1", "n2"):
-            words = services[name]["command"].split()
-            done = subprocess.run(
-                [os.path.join(BIN, "pelagosd"), *words, "--check"],
-                capture_output=True, text=True, check=False)
+            words = services[name]["command"]
+            with tempfile.NamedTemporaryFile("w") as token:
+                token.write("0123456789abcdef\n")
+                token.flush()
+                words = words.replace("/run/secrets/token", token.name)
+                done = subprocess.run(
+                    [os.path.join(BIN, "pelagosd"), *words.split(),
+                     "--device", "software", "--check"],
+                    capture_output=True, text=True, check=False)
             self.assertEqual(done.returncode, 0, done.stderr)
         with open(os.path.join(folder, "etcd.env")) as f:
             given = dict(line.strip().split("=", 1) for line in f

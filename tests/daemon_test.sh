@@ -81,9 +81,83 @@ check 'another network is refused' refused 'token' --http 0.0.0.0:8080
 check 'Modbus to a network needs a list' refused '--modbus-allow' \
     --modbus 0.0.0.0:1502
 check 'a missing key file is refused' refused 'nowhere' --config /nowhere
+printed=$("$daemon" --print-config --config packaging/pelagosd.conf --fps 12)
+check '--print-config has the file and the options' test \
+    "$(grep -c -e '^# From packaging/pelagosd.conf:$' -e '^state=/var/lib' \
+        -e '^fps=12$' <<<"$printed")" -ge 4
 check '--version' grep -q '^pelagosd [0-9]' <("$daemon" --version)
-check 'the installed key file is good' "$daemon" --check \
-    --config packaging/pelagosd.conf
+check 'the installed key file is good' "$daemon" --check --device software \
+    --config packaging/pelagosd.conf --state "$work/scene" --unix "$work/socket"
+
+# --check is a start short of listening: what one refuses the other does, by the
+# same words, and --check leaves no trace.
+quiet=(--device software --http 127.0.0.1:0 --tcp off --rtsp off --modbus off
+    --nmea off)
+mkdir "$work/tried"
+echo 0123456789abcdef >"$work/tried/open" && chmod 644 "$work/tried/open"
+echo 0123456789abcdef >"$work/tried/token" && chmod 600 "$work/tried/token"
+echo no certificate >"$work/tried/pem" && chmod 600 "$work/tried/pem"
+echo 'sea.windSpeed holding' >"$work/tried/table"
+echo '17 nonsense' >"$work/tried/types"
+traces() {
+    (cd "$work/tried" && find . -printf '%p %T@ %s\n' | sort)
+}
+tried=0
+refused_by_both() { # options...
+    local said started status words
+    said=$("$daemon" --check "${quiet[@]}" "$@" 2>&1)
+    status=$?
+    started=$(timeout 60 "$daemon" "${quiet[@]}" "$@" 2>&1 >/dev/null)
+    tried=$((tried + 1))
+    [ $status -eq 1 ] && [[ $said == *'cannot start: '* ]] ||
+        fail "--check $*: status $status, $said"
+    # What would be bound or written is said before the system says it.
+    case $* in
+    *--state*|*--record\ *|*--unix*|*10.9.8.7*|*24000*)
+        words='DMN-009 cannot start: ' ;;
+    *) words="DMN-009 cannot start: ${said#*cannot start: }" ;;
+    esac
+    [[ $started == *"$words"* ]] || fail "$* by --check: $said; by a start: $started"
+}
+before=$(traces)
+f=$work/tried
+for wrong in "--token-file $f/none" "--token-file $f/open" \
+    "--tls-cert $f/none --tls-key $f/none" "--tls-cert $f/pem --tls-key $f/pem" \
+    "--spectra $f/none" "--bathymetry $f/none" "--weather $f/token" \
+    "--panoramas $f/none" "--models $f/none" "--exercises $f/none" \
+    "--recordings $f/none" "--state $f/none/scene" "--state $f" \
+    "--record $f/none/log" "--record $f/token" "--unix $f/none/socket" \
+    "--unix $f/token" "--console 127.0.0.1:1 --console-table $f/none" \
+    "--console 127.0.0.1:1 --console-table $f/table" \
+    "--cigi 127.0.0.1:0 --cigi-entities $f/none" \
+    "--cigi 127.0.0.1:0 --cigi-entities $f/types" \
+    "--cigi 127.0.0.1:0 --cigi-host [::1]:9" \
+    "--modbus 127.0.0.1:0 --modbus-units 0" \
+    "--modbus 127.0.0.1:0 --modbus-safe views.none.yaw=0" \
+    "--http 10.9.8.7:0 --token-file $f/token --plain" \
+    "--tcp 127.0.0.1:24000 --rtsp 127.0.0.1:24000" --device\ 77 \
+    "--video-encoder nonsense" "--exercise http://127.0.0.1:1" \
+    "--exercise http://127.0.0.1:1/x --exercise-node a/b" \
+    "--exercise http://127.0.0.1:1/x --exercise-ca $f/none"; do
+    # shellcheck disable=SC2086
+    refused_by_both $wrong
+done
+ok "--check refuses what a start does, $tried wrong uses"
+good_check() { # words that it says, options...
+    local words=$1 said
+    shift
+    said=$("$daemon" --check "${quiet[@]}" "$@" 2>&1) &&
+        [[ $said == *"$words"*'the options are good'* ]]
+}
+check '--check says what a start does with a state that is damaged' \
+    good_check 'does not load' --state "$f/token"
+check '--check says which name is not resolved' good_check \
+    'nowhere.invalid is not resolved' --nmea-out nowhere.invalid:10110
+check '--check takes everything that is right' good_check '' \
+    --state "$f/scene" --record "$f/log" --unix "$f/socket" \
+    --token-file "$f/token" --recordings "$f" --exercises "$f" \
+    --exercise http://127.0.0.1:1/x --cigi 127.0.0.1:0 --nmea-tcp 127.0.0.1:0
+check '--check leaves no trace' test "$before" = "$(traces)"
 "$daemon" --print-man >"$work/pelagosd.8"
 if command -v man >/dev/null; then
     check 'the manual page has no warnings' test -z \
@@ -105,6 +179,11 @@ start --state "$state"
 # A figure; the bar, on a quiet machine, is 2 s.
 echo "# $(grep -oE 'first frame [0-9]+ ms' "$work/log") after the start"
 check 'healthz' curl -sf -o /dev/null "$url/healthz"
+check 'each line of the log has its time' test -z "$(grep -vE \
+    '^[0-9]{4}-[0-9]{2}-[0-9]{2}T[0-9:]{8}\.[0-9]{3}Z (error|warning|info|debug) [A-Z]{3}-[0-9]{3} ' \
+    "$work/log")"
+check '--check while a daemon has the state says so' good_check \
+    'a daemon keeps its state' --state "$state" --http "${url#http://}"
 check 'metrics count frames' grep -q '^pelagos_frames_drawn_total' \
     <(curl -sf "$url/metrics")
 curl -sf -o /dev/null -X PATCH -H 'Content-Type: application/json' -d \
@@ -130,6 +209,26 @@ for format in png jpg exr; do
     check "the same $format after the restart" \
         cmp "$work/before.$format" "$work/after.$format"
 done
+
+# --- forms of the log -----------------------------------------------------------
+stop TERM
+lines() { # form, environment... : the first lines of a daemon that cannot start
+    local form=$1
+    shift
+    : >"$work/forms"
+    env "$@" "$daemon" "${quiet[@]}" --log-format "$form" --models /nowhere \
+        2>>"$work/forms"
+}
+identity=$(touch "$work/forms" && stat -c %d:%i "$work/forms")
+lines auto JOURNAL_STREAM="$identity"
+check 'journald gets priorities and no time' grep -q '^<3>error DMN-009' \
+    "$work/forms"
+lines auto JOURNAL_STREAM=1:1
+check 'but not where it does not read us' grep -q 'Z error DMN-009' "$work/forms"
+lines json
+check 'JSON lines' test "$(jq -r 'select(.id == "DMN-009") | .level' \
+    "$work/forms")" = error
+start --state "$state"
 
 # --- SIGTERM with viewers ---------------------------------------------------------
 curl -sf -o "$work/stream" "$url/v1/views/bridge/mjpeg" &

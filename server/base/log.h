@@ -1,6 +1,9 @@
-/* The log: one line a record on standard error (with journald's priority
- * prefix when it reads us), `<level> TOPIC-NNN text with units`. Any thread. */
+/* The log: one line a record on standard error, `<level> TOPIC-NNN text with
+ * units`, after the time, or after journald's priority where it reads us, which
+ * has a time of its own. Any thread. */
 #pragma once
+
+#include <stddef.h>
 
 enum pel_log_level {
     PEL_LOG_ERROR,
@@ -8,6 +11,24 @@ enum pel_log_level {
     PEL_LOG_INFO,
     PEL_LOG_DEBUG,
 };
+
+/* As the option --log-format orders them. */
+enum pel_log_format {
+    PEL_LOG_AUTO, /* JOURNAL where JOURNAL_STREAM names standard error */
+    PEL_LOG_TEXT, /* 2026-11-28T23:14:51.123Z info DMN-001 text */
+    PEL_LOG_JSON, /* {"time":"…","level":"info","id":"DMN-001","text":"…"} */
+    PEL_LOG_JOURNAL, /* <6>info DMN-001 text */
+};
+
+/* AUTO at start. Before other threads log. */
+void pel_log_set_format(enum pel_log_format format);
+
+/* One record as it is written, with the end of its line. unix_ns: its time.
+ * Control characters in `text` are made harmless. */
+#define PEL_LOG_LINE 3072
+size_t pel_log_line(char out[PEL_LOG_LINE], enum pel_log_format format,
+                    long long unix_ns, enum pel_log_level level, const char *id,
+                    char *text, unsigned held);
 
 /* Records above this level are dropped; INFO at start. */
 void pel_log_set_level(enum pel_log_level level);

@@ -556,7 +556,7 @@ static void watch_host(struct pel_cigi *cigi, int64_t now_ns)
              cigi->host_frame, cigi->options.hold ? "stands" : "goes on");
     cigi->led = false;
     pel_cigi_periodic_clear(&cigi->periodic);
-    if (!cigi->host_is_fixed) {
+    if (!cigi->host_target) {
         cigi->host_size = 0;
     }
     pel_scene_set_host_frame(cigi->scene, 0);

@@ -40,7 +40,7 @@ struct pel_cigi {
 
     struct sockaddr_storage host;
     socklen_t host_size; /* 0: nobody to send to */
-    bool host_is_fixed;
+    struct pel_target *host_target; /* NULL: who was heard */
     struct sockaddr_storage speaker; /* who leads */
     bool shown;                      /* in the metrics */
 

@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "base/watch.h"
 #include "bridges/cigi_parts.h"
+#include "bridges/target.h"
 
 static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
 {
@@ -19,6 +20,13 @@ static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
     (void)condition;
     if (read(fd, &beats, sizeof beats) != sizeof beats) {
         return G_SOURCE_CONTINUE;
+    }
+    if (cigi->host_target) {
+        const struct sockaddr *to =
+            pel_target_address(cigi->host_target, &cigi->host_size);
+        if (to) {
+            memcpy(&cigi->host, to, cigi->host_size);
+        }
     }
     if (cigi->host_size == 0) {
         return G_SOURCE_CONTINUE;
@@ -32,6 +40,9 @@ static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
         pel_log_limited(&limit, PEL_LOG_DEBUG, "CIG-009",
                         "Start of Frame not sent: %s", strerror(errno));
         cigi->counters.unsent++;
+        if (cigi->host_target) {
+            pel_target_failed(cigi->host_target);
+        }
     }
     return G_SOURCE_CONTINUE;
 }
@@ -69,7 +80,7 @@ static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
             cigi->in_used += (size_t)got;
         }
         cigi->speaker = peer;
-        if (!cigi->host_is_fixed) {
+        if (!cigi->host_target) {
             cigi->host = peer;
             cigi->host_size = size;
         }
@@ -89,16 +100,18 @@ enum pel_err pel_cigi_open_sockets(struct pel_cigi *cigi,
     }
     struct sockaddr_storage own = { 0 };
     socklen_t size = sizeof own;
-    if (o->host &&
-        (!pel_endpoint_read(o->host, &cigi->host, &cigi->host_size) ||
-         getsockname(cigi->fd, (struct sockaddr *)&own, &size) != 0 ||
-         own.ss_family != cigi->host.ss_family)) {
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "cigi-host: %s is no ADDRESS:PORT of the same "
-                             "kind as cigi's",
-                             o->host);
+    if (o->host) {
+        if (getsockname(cigi->fd, (struct sockaddr *)&own, &size) != 0) {
+            return pel_fault_set(fault, PEL_ERR_IO, "--cigi: %s",
+                                 strerror(errno));
+        }
+        const struct pel_target_options host = { "cigi-host", o->host,
+                                                 own.ss_family, o->metrics };
+        err = pel_target_create(&host, &cigi->host_target, fault);
+        if (err) {
+            return err;
+        }
     }
-    cigi->host_is_fixed = o->host != NULL;
     int bytes = RECEIVE_BUFFER;
     setsockopt(cigi->fd, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
     cigi->timer_fd =
@@ -122,6 +135,7 @@ enum pel_err pel_cigi_open_sockets(struct pel_cigi *cigi,
 
 void pel_cigi_close_sockets(struct pel_cigi *cigi)
 {
+    pel_target_destroy(cigi->host_target);
     if (cigi->fd_source) {
         g_source_remove(cigi->fd_source);
     }

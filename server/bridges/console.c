@@ -16,7 +16,7 @@
 #include "base/file.h"
 #include "base/log.h"
 #include "base/watch.h"
-#include "bridges/endpoint.h"
+#include "bridges/target.h"
 #include "path.h"
 
 #define MS 1000000LL
@@ -35,9 +35,8 @@ struct pel_console {
     struct pel_console_options options;
     struct pel_scene *scene;
     struct pel_console_table table;
-    struct sockaddr_storage address;
-    socklen_t address_size;
-    char name[64];
+    struct pel_target *server;
+    const char *name; /* the server's, as it was given */
     enum step step;
     int fd;
     guint fd_source, tick_source;
@@ -176,6 +175,7 @@ static void hang_up(struct pel_console *c, const char *why)
     c->retry_ns = pel_now_ns() + c->backoff_ns;
     c->step = STEP_CLOSED;
     c->counters.failures++;
+    pel_target_failed(c->server);
     pel_log_limited(&limit, PEL_LOG_WARNING, "CON-005",
                     "the console at %s: %s; tried again in %.2f s", c->name,
                     why, (double)c->backoff_ns * 1e-9);
@@ -198,15 +198,20 @@ static void watch_for(struct pel_console *c, GIOCondition condition)
 static void dial(struct pel_console *c)
 {
     int yes = 1;
-    c->fd = socket(c->address.ss_family,
-                   SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    socklen_t size;
+    const struct sockaddr *to = pel_target_address(c->server, &size);
+    if (!to) {
+        hang_up(c, "its name is not resolved");
+        return;
+    }
+    c->fd =
+        socket(to->sa_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (c->fd < 0) {
         hang_up(c, strerror(errno));
         return;
     }
     setsockopt(c->fd, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-    if (connect(c->fd, (struct sockaddr *)&c->address, c->address_size) != 0 &&
-        errno != EINPROGRESS) {
+    if (connect(c->fd, to, size) != 0 && errno != EINPROGRESS) {
         hang_up(c, strerror(errno));
         return;
     }
@@ -472,11 +477,11 @@ enum pel_err pel_console_create(const struct pel_console_options *options,
     c->scene = scene;
     c->fd = -1;
     err = read_table(c, fault);
-    if (!err &&
-        !pel_endpoint_read(options->server, &c->address, &c->address_size)) {
-        err = pel_fault_set(fault, PEL_ERR_INVALID,
-                            "--console: '%s' is no ADDRESS:PORT",
-                            options->server);
+    if (!err) {
+        const struct pel_target_options server = { "console", options->server,
+                                                   AF_UNSPEC,
+                                                   options->metrics };
+        err = pel_target_create(&server, &c->server, fault);
     }
     if (err) {
         g_free(c);
@@ -485,7 +490,7 @@ enum pel_err pel_console_create(const struct pel_console_options *options,
     for (size_t i = 0; i < PEL_CONSOLE_MAX_ROWS; i++) {
         c->sent[i] = NAN;
     }
-    g_strlcpy(c->name, options->server, sizeof c->name);
+    c->name = pel_target_text(c->server);
     c->options.server = c->options.table = c->options.table_path = NULL;
     guint tick_ms = (guint)fmin(fmax(500 / options->rate_hz, 5), 50);
     c->tick_source = g_timeout_add(tick_ms, on_tick, c);
@@ -509,6 +514,7 @@ void pel_console_destroy(struct pel_console *c)
     }
     pel_scene_forget(c->scene, c);
     g_source_remove(c->tick_source);
+    pel_target_destroy(c->server);
     if (c->fd_source) {
         g_source_remove(c->fd_source);
     }

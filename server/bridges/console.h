@@ -16,7 +16,7 @@ enum pel_console_state {
 };
 
 struct pel_console_options {
-    const char *server;     /* "127.0.0.1:502" */
+    const char *server;     /* "127.0.0.1:502", "plc.example:502" */
     const char *table_path; /* the file; or: */
     const char *table;      /* its text, where table_path is NULL */
     enum pel_modbus_order order;

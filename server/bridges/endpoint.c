@@ -8,6 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/trial.h"
+
 static const uint8_t mapped_prefix[12] = { [10] = 0xff, [11] = 0xff };
 
 /* Reads a decimal number of 0..limit that is the whole text. */
@@ -184,13 +186,21 @@ enum pel_err pel_endpoint_open(const char *what, const char *address,
             "the addresses that may send",
             what, address, (int)strcspn(what, "-"), what);
     }
+    bool trial = pel_trial();
+    if (trial) {
+        err =
+            pel_trial_listen(what, type, (struct sockaddr *)&name, size, fault);
+        if (err) {
+            return err;
+        }
+    }
     int s = socket(name.ss_family, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     int yes = 1;
     if (s < 0 ||
         (type == SOCK_STREAM &&
          setsockopt(s, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) != 0) ||
-        bind(s, (struct sockaddr *)&name, size) != 0 ||
-        (type == SOCK_STREAM && listen(s, 64) != 0)) {
+        (!trial && (bind(s, (struct sockaddr *)&name, size) != 0 ||
+                    (type == SOCK_STREAM && listen(s, 64) != 0)))) {
         err = pel_fault_set(
             fault, PEL_ERR_IO, "--%s: cannot listen on %s: %s%s", what, address,
             strerror(errno),

@@ -64,7 +64,7 @@ pel_modbus_units_read(const char *text, enum pel_modbus_order order,
     *count = g_strv_length(words);
     if (*count == 0 || *count > PEL_MODBUS_MAX_UNITS) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "modbus-units: any, or 1 to %d units",
+                             "--modbus-units: any, or 1 to %d units",
                              PEL_MODBUS_MAX_UNITS);
     }
     for (size_t i = 0; i < *count; i++) {
@@ -72,7 +72,7 @@ pel_modbus_units_read(const char *text, enum pel_modbus_order order,
         out[i] = plain;
         if (!read_unit(parts, &out[i])) {
             return pel_fault_set(fault, PEL_ERR_INVALID,
-                                 "modbus-units: '%.60s' is not "
+                                 "--modbus-units: '%.60s' is not "
                                  "UNIT[:ORDER[:ENTITY[:VIEW]]], 1..247, an "
                                  "order like abcd, 0..65535, 0..63",
                                  words[i]);
@@ -80,7 +80,7 @@ pel_modbus_units_read(const char *text, enum pel_modbus_order order,
         for (size_t k = 0; k < i; k++) {
             if (out[k].number == out[i].number) {
                 return pel_fault_set(fault, PEL_ERR_INVALID,
-                                     "modbus-units: unit %d is there twice",
+                                     "--modbus-units: unit %d is there twice",
                                      out[i].number);
             }
         }

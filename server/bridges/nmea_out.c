@@ -13,9 +13,9 @@
 #include "base/log.h"
 #include "base/vec.h"
 #include "base/watch.h"
-#include "bridges/endpoint.h"
 #include "bridges/nmea_traffic.h"
 #include "bridges/nmea_write.h"
+#include "bridges/target.h"
 #include "scene/geodesy.h"
 #include "scene/helm.h"
 
@@ -156,9 +156,9 @@ bool pel_nmea_out_report_of(struct pel_scene *scene, uint32_t entity,
 /* A ship, and where it is sent. */
 struct outlet {
     uint32_t entity;
-    int fd;
-    struct sockaddr_storage to;
-    socklen_t to_size;
+    int fd; /* -1: none yet */
+    int family;
+    struct pel_target *to;
     struct pel_nmea_radar radar;
 };
 
@@ -171,26 +171,51 @@ struct pel_nmea_out {
     enum pel_nmea_traffic_kind others;
     double rate_hz;
     uint64_t reports, datagrams, sentences, failures;
+    uint64_t unresolved; /* reports that had nowhere to go */
 };
 
 /* Of one outlet, while what it is told is written. */
 struct sending {
     struct pel_nmea_out *bridge;
-    const struct outlet *outlet;
+    struct outlet *outlet;
 };
+
+/* A socket of the family that the name has now. */
+static bool open_outlet(struct outlet *outlet, int family)
+{
+    int yes = 1;
+    if (outlet->fd >= 0 && outlet->family == family) {
+        return true;
+    }
+    if (outlet->fd >= 0) {
+        close(outlet->fd);
+    }
+    outlet->family = family;
+    outlet->fd = socket(family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    if (outlet->fd >= 0) {
+        setsockopt(outlet->fd, SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
+    }
+    return outlet->fd >= 0;
+}
 
 static void send_text(void *user, struct pel_nmea_writer *w)
 {
     static struct pel_log_limit limit;
     const struct sending *to = user;
     struct pel_nmea_out *o = to->bridge;
-    if (sendto(to->outlet->fd, w->out, w->used, MSG_DONTWAIT | MSG_NOSIGNAL,
-               (const struct sockaddr *)&to->outlet->to,
-               to->outlet->to_size) == (ssize_t)w->used) {
+    socklen_t size;
+    const struct sockaddr *address = pel_target_address(to->outlet->to, &size);
+    if (!address) {
+        o->unresolved++;
+    } else if (open_outlet(to->outlet, address->sa_family) &&
+               sendto(to->outlet->fd, w->out, w->used,
+                      MSG_DONTWAIT | MSG_NOSIGNAL, address,
+                      size) == (ssize_t)w->used) {
         o->datagrams++;
         o->sentences += w->count;
     } else {
         o->failures++;
+        pel_target_failed(to->outlet->to);
         pel_log_limited(&limit, PEL_LOG_WARNING, "NMO-002",
                         "NMEA was not sent: %s", strerror(errno));
     }
@@ -237,22 +262,43 @@ static void collect(void *user, struct pel_metrics_page *page)
     pel_metric(page, "pelagos_nmea_out_failures_total", PEL_METRIC_COUNTER,
                "Reports that the system did not send.", NULL,
                (double)o->failures);
+    pel_metric(page, "pelagos_nmea_out_unresolved_total", PEL_METRIC_COUNTER,
+               "Reports that were not sent, as the name of their host is not "
+               "resolved.",
+               NULL, (double)o->unresolved);
 }
 
 /* `7@127.0.0.1:10111`, or of the entity that is given. */
-static bool read_outlet(const char *text, uint32_t entity, struct outlet *out)
+static enum pel_err read_outlet(const struct pel_nmea_out_options *options,
+                                const char *text, struct outlet *out,
+                                struct pel_fault *fault)
 {
     const char *at = strchr(text, '@');
     char *end;
-    *out = (struct outlet){ .entity = entity, .fd = -1 };
+    const struct pel_target_options to = { "nmea-out", at ? at + 1 : text,
+                                           AF_UNSPEC, options->metrics };
+    *out = (struct outlet){ .entity = options->entity, .fd = -1 };
     if (at) {
         unsigned long id = strtoul(text, &end, 10);
         out->entity = (uint32_t)id;
         if (!g_ascii_isdigit(*text) || end != at || id > 65535) {
-            return false;
+            return pel_fault_set(fault, PEL_ERR_INVALID,
+                                 "--nmea-out: '%.80s' is not "
+                                 "[ENTITY@]HOST:PORT, ENTITY 0 .. 65535",
+                                 text);
         }
     }
-    return pel_endpoint_read(at ? at + 1 : text, &out->to, &out->to_size);
+    return pel_target_create(&to, &out->to, fault);
+}
+
+static void close_outlets(struct pel_nmea_out *o)
+{
+    for (size_t i = 0; i < o->count; i++) {
+        pel_target_destroy(o->outlets[i].to);
+        if (o->outlets[i].fd >= 0) {
+            close(o->outlets[i].fd);
+        }
+    }
 }
 
 static enum pel_err read_outlets(const struct pel_nmea_out_options *options,
@@ -260,47 +306,28 @@ static enum pel_err read_outlets(const struct pel_nmea_out_options *options,
                                  struct pel_fault *fault)
 {
     g_auto(GStrv) words = g_strsplit(options->to, ",", -1);
-    bool good = options->rate_hz >= 0.1 && options->rate_hz <= 50;
-    o->count = g_strv_length(words);
-    good = good && o->count > 0 && o->count <= MAX_OUTLETS;
-    for (size_t i = 0; i < o->count && good; i++) {
-        good = read_outlet(words[i], options->entity, &o->outlets[i]);
+    guint count = g_strv_length(words);
+    if (!(options->rate_hz >= 0.1 && options->rate_hz <= 50) || count == 0 ||
+        count > MAX_OUTLETS) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "--nmea-out: %s at %g Hz: 1 to 8 of "
+                             "[ENTITY@]HOST:PORT, separated by commas, "
+                             "and 0.1 to 50 Hz are wanted",
+                             options->to, options->rate_hz);
     }
-    return good ? PEL_OK
-                : pel_fault_set(fault, PEL_ERR_INVALID,
-                                "--nmea-out: %s at %g Hz: 1 to 8 of "
-                                "[ENTITY@]ADDRESS:PORT, separated by commas, "
-                                "and 0.1 to 50 Hz are wanted",
-                                options->to, options->rate_hz);
-}
-
-static void close_outlets(struct pel_nmea_out *o)
-{
-    for (size_t i = 0; i < o->count; i++) {
-        if (o->outlets[i].fd >= 0) {
-            close(o->outlets[i].fd);
-        }
+    enum pel_err err = PEL_OK;
+    for (guint i = 0; i < count && !err; i++) {
+        struct outlet *outlet = &o->outlets[o->count++];
+        err = read_outlet(options, words[i], outlet, fault);
     }
-}
-
-static enum pel_err open_outlets(struct pel_nmea_out *o,
-                                 struct pel_fault *fault)
-{
-    int yes = 1;
-    for (size_t i = 0; i < o->count; i++) {
-        struct outlet *outlet = &o->outlets[i];
-        outlet->fd = socket(outlet->to.ss_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-        if (outlet->fd < 0) {
-            int why = errno;
-            close_outlets(o);
-            return pel_fault_set(fault, PEL_ERR_IO, "--nmea-out: %s",
-                                 strerror(why));
-        }
-        setsockopt(outlet->fd, SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
-        pel_info("NMO-001", "NMEA 0183 of entity %u is sent over UDP",
-                 outlet->entity);
+    for (size_t i = 0; i < o->count && !err; i++) {
+        pel_info("NMO-001", "NMEA 0183 of entity %u is sent over UDP to %s",
+                 o->outlets[i].entity, pel_target_text(o->outlets[i].to));
     }
-    return PEL_OK;
+    if (err) {
+        close_outlets(o);
+    }
+    return err;
 }
 
 enum pel_err pel_nmea_out_create(const struct pel_nmea_out_options *options,
@@ -313,9 +340,6 @@ enum pel_err pel_nmea_out_create(const struct pel_nmea_out_options *options,
                                  .others = options->others,
                                  .rate_hz = options->rate_hz };
     enum pel_err err = read_outlets(options, &made, fault);
-    if (!err) {
-        err = open_outlets(&made, fault);
-    }
     if (err) {
         return err;
     }

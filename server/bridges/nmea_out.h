@@ -41,7 +41,7 @@ bool pel_nmea_out_report_of(struct pel_scene *scene, uint32_t entity,
                             struct pel_nmea_report *out);
 
 struct pel_nmea_out_options {
-    const char *to; /* "127.0.0.1:10111,7@127.0.0.1:10112": at most 8 ships,
+    const char *to; /* "127.0.0.1:10111,7@vm.example:10112": at most 8 ships,
                        each with its ENTITY@ or of `entity`; a broadcast address
                        is allowed */
     double rate_hz; /* reports a second, 0.1..50 */
@@ -50,8 +50,8 @@ struct pel_nmea_out_options {
     struct pel_metrics *metrics;       /* may be NULL */
 };
 
-/* INVALID: the address; IO: no socket. A report without a receiver is no
- * error. */
+/* INVALID: the address. A report without a receiver, or whose host's name is
+ * not resolved, is no error. */
 struct pel_nmea_out;
 PEL_CHECK enum pel_err
 pel_nmea_out_create(const struct pel_nmea_out_options *options,

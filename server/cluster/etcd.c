@@ -1,9 +1,11 @@
 #include "cluster/etcd.h"
 
 #include <curl/curl.h>
+#include <errno.h>
 #include <glib-unix.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -452,6 +454,16 @@ enum pel_err pel_etcd_create(const struct pel_etcd_options *options,
             enum pel_err err =
                 pel_fault_set(fault, PEL_ERR_INVALID,
                               "%.100s is no http:// or https:// URL", at);
+            pel_etcd_destroy(etcd);
+            return err;
+        }
+    }
+    const char *const files[] = { options->cert, options->key, options->ca };
+    for (size_t i = 0; i < G_N_ELEMENTS(files); i++) {
+        if (files[i] && access(files[i], R_OK) != 0) {
+            enum pel_err err =
+                pel_fault_set(fault, PEL_ERR_IO, "%.160s cannot be read: %s",
+                              files[i], g_strerror(errno));
             pel_etcd_destroy(etcd);
             return err;
         }

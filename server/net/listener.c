@@ -15,6 +15,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/trial.h"
 #include "net/fdsource.h"
 
 #define BACKLOG 512
@@ -177,6 +178,11 @@ enum pel_err pel_listener_tcp(const char *option, const char *address,
             "127.0.0.1, or give a token",
             option, address);
     }
+    if (pel_trial()) {
+        *out = NULL;
+        return pel_trial_listen(option + strlen("--"), SOCK_STREAM,
+                                (struct sockaddr *)&where, size, fault);
+    }
     int fd =
         socket(where.ss_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     int on = 1;
@@ -228,6 +234,26 @@ static int bind_unix(int fd, const struct sockaddr_un *where)
     return rc;
 }
 
+/* As a start would find it, but for a server that is there now: it may be the
+ * one that is to be started again. */
+static enum pel_err try_unix(const struct sockaddr_un *where,
+                             struct pel_fault *fault)
+{
+    struct stat info;
+    bool there = lstat(where->sun_path, &info) == 0;
+    if (there && !S_ISSOCK(info.st_mode)) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "--unix: %s is no socket; name another path",
+                             where->sun_path);
+    }
+    if (there && !socket_is_dead(where)) {
+        pel_trial_note("--unix: %s is in use now; a daemon starts when it is "
+                       "free",
+                       where->sun_path);
+    }
+    return pel_trial_write("unix", where->sun_path, fault);
+}
+
 enum pel_err pel_listener_unix(const char *path, pel_listener_accept accept,
                                void *user, struct pel_listener **out,
                                struct pel_fault *fault)
@@ -239,6 +265,10 @@ enum pel_err pel_listener_unix(const char *path, pel_listener_accept accept,
                              sizeof where.sun_path - 1, path);
     }
     memcpy(where.sun_path, path, strlen(path) + 1);
+    if (pel_trial()) {
+        *out = NULL;
+        return try_unix(&where, fault);
+    }
     int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     struct stat info;
     /* Nobody can connect before listen(), so the mode is set in time. */

@@ -176,16 +176,30 @@ static void on_commit(void *user)
 
 /* --- life ----------------------------------------------------------------- */
 
+static enum pel_err of_option(const char *option, enum pel_err err,
+                              struct pel_fault *fault)
+{
+    if (err != PEL_OK && fault) {
+        g_autofree char *why = g_strdup(fault->message);
+        (void)pel_fault_set(fault, err, "%s: %s", option, why);
+    }
+    return err;
+}
+
 static enum pel_err load_secrets(struct pel_net *net, struct pel_fault *fault)
 {
     const struct pel_net_options *o = &net->options;
     enum pel_err err = PEL_OK;
     if (o->token_path) {
-        err = pel_token_create(o->token_path, &net->token, fault);
+        err = of_option("--token-file",
+                        pel_token_create(o->token_path, &net->token, fault),
+                        fault);
     }
     if (err == PEL_OK && o->tls_cert_path) {
-        err =
-            pel_tls_create(o->tls_cert_path, o->tls_key_path, &net->tls, fault);
+        err = of_option(
+            "--tls-cert, --tls-key",
+            pel_tls_create(o->tls_cert_path, o->tls_key_path, &net->tls, fault),
+            fault);
     }
     return err;
 }

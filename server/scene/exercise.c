@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/log.h"
+#include "base/trial.h"
 #include "base/watch.h"
 #include "fault.h"
 #include "message.h"
@@ -319,7 +320,9 @@ enum pel_err pel_exercises_create(const struct pel_exercises_options *options,
     struct pel_exercises *all = g_new0(struct pel_exercises, 1);
     all->files = pel_exercise_files_create(options->directory);
     pel_exercise_run_init(&all->run, scene, all->files, options->state_path);
-    resume(all);
+    if (!pel_trial()) {
+        resume(all);
+    }
     *out = all;
     return PEL_OK;
 }

@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/trial.h"
 #include "base/watch.h"
 #include "scene/edit.h"
 #include "scene/scene_parts.h"
@@ -60,6 +61,11 @@ enum pel_err pel_scene_load(struct pel_store *store,
     if (err == PEL_OK) {
         pel_info("SCN-001", "revision %llu of the scene loaded from %s",
                  (unsigned long long)(*out)->revision, options->state_path);
+    } else if (err != PEL_ERR_NOT_FOUND && pel_trial()) {
+        pel_trial_note("--state: %s does not load: %s; a start keeps it as %s, "
+                       "and begins with %s",
+                       options->state_path, why.message, aside,
+                       *out ? "its journal" : "defaults");
     } else if (err != PEL_ERR_NOT_FOUND) {
         pel_error("SCN-002",
                   "%s does not load: %s; it is kept as %s, and the scene "

@@ -14,6 +14,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/log.h"
+#include "base/trial.h"
 #include "pelog.h"
 #include "scene/logentry.h"
 
@@ -451,6 +452,11 @@ enum pel_err pel_record_create(const struct pel_record_options *o,
         found->len > 0 ? g_array_index(found, unsigned, found->len - 1) + 1 : 1;
     g_array_free(found, TRUE);
     enum pel_err err = check_place(o->path, fault);
+    if (pel_trial()) {
+        err = err ? err : pel_trial_write("record", o->path, fault);
+        pel_record_destroy(record);
+        return err;
+    }
     bool begun = !err && (record->sealed ? begin_sealed(record)
                                          : begin_segment(record, 1));
     if (!err && !begun && (errno == ENOSPC || errno == EDQUOT)) {

@@ -10,6 +10,7 @@
 #include "base/log.h"
 #include "base/reserve.h"
 #include "base/sandbox.h"
+#include "base/trial.h"
 #include "base/watch.h"
 #include "fault.h"
 #include "json.h"
@@ -762,8 +763,11 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     if (!err) {
         err = pel_scene_load(store, options, &state, &loaded, fault);
     }
-    if (err) {
+    if (err || pel_trial()) {
         pel_store_close(store);
+        store = NULL;
+    }
+    if (err) {
         return err;
     }
     struct pel_scene *scene = g_new0(struct pel_scene, 1);

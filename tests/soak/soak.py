@@ -313,7 +313,7 @@ def main():
     if not SANITIZED and p99 > SLOWEST_HEALTHZ_S:
         bad.append(f"healthz took {p99:.2f} s")
     log = daemon.log()
-    bad += [text for text in log.splitlines() if text.startswith("error")][:5]
+    bad += [text for text in log.splitlines() if text.split(" ", 2)[1:2] == ["error"]][:5]
     status = daemon.stop()
     if status != 0:
         bad.append(f"pelagosd ended with {status}")
