@@ -166,8 +166,8 @@ static void take_maritime(struct pel_cigi_edit *edit,
                           const struct pel_cigi_packet *p)
 {
     double scope = pel_cigi_get(p, PEL_CIGI_MARITIME_SCOPE);
-    struct pel_cigi_conditions *c = conditions_of(
-        edit, scope, pel_cigi_get(p, PEL_CIGI_MARITIME_REGION));
+    struct pel_cigi_conditions *c =
+        conditions_of(edit, scope, pel_cigi_get(p, PEL_CIGI_MARITIME_REGION));
     if (!c) {
         return;
     }
