@@ -1,17 +1,37 @@
 #include "fields.h"
 
+#include <stdint.h>
 #include <string.h>
+
+/* What this thread found last, by the message's address: everything that reads,
+ * tests or writes messages asks for each of their fields. */
+#define FOUND 64
+static _Thread_local const struct pel_field_table *found[FOUND];
+
+static const struct pel_field_table *
+table_of(const ProtobufCMessageDescriptor *message)
+{
+    uintptr_t address = (uintptr_t)message;
+    const struct pel_field_table **place =
+        &found[(address / sizeof *message) % FOUND];
+    if (*place && (*place)->message == message) {
+        return *place;
+    }
+    for (size_t i = 0; i < pel_field_table_count; i++) {
+        if (pel_field_tables[i].message == message) {
+            *place = &pel_field_tables[i];
+            return *place;
+        }
+    }
+    return NULL;
+}
 
 const struct pel_field *
 pel_field_info(const ProtobufCMessageDescriptor *message,
                const ProtobufCFieldDescriptor *field)
 {
-    for (size_t i = 0; i < pel_field_table_count; i++) {
-        if (pel_field_tables[i].message == message) {
-            return &pel_field_tables[i].fields[field - message->fields];
-        }
-    }
-    return NULL;
+    const struct pel_field_table *table = table_of(message);
+    return table ? &table->fields[field - message->fields] : NULL;
 }
 
 static bool equals(const char *text, const char *name, size_t length)

@@ -12,8 +12,53 @@
 
 #define PATH_SIZE 192
 
-static enum pel_err check_number(const struct pel_field *info, const char *path,
-                                 double value, struct pel_fault *fault)
+/* Where the test is: written as a path only where something is wrong, since
+ * the paths of a state's fields would take most of the time of testing it. */
+struct where {
+    const struct where *above;       /* NULL: the message's own path */
+    const char *name;                /* of a field, or that path */
+    const ProtobufCMessage *element; /* of a list, or NULL */
+    size_t index;                    /* of it */
+};
+
+static void write_path(const struct where *where, char out[PATH_SIZE])
+{
+    char before[PATH_SIZE];
+    double number;
+    if (!where->above) {
+        g_strlcpy(out, where->name, PATH_SIZE);
+        return;
+    }
+    write_path(where->above, before);
+    if (!where->element) {
+        g_snprintf(out, PATH_SIZE, "%s%s%s", before, before[0] ? "." : "",
+                   where->name);
+        return;
+    }
+    const ProtobufCFieldDescriptor *key =
+        pel_field_key(where->element->descriptor);
+    if (!key || !pel_message_has(where->element, key)) {
+        g_snprintf(out, PATH_SIZE, "%s.%zu", before, where->index);
+    } else if (pel_message_number(where->element, key, &number)) {
+        g_snprintf(out, PATH_SIZE, "%s.%.0f", before, number);
+    } else {
+        g_snprintf(out, PATH_SIZE, "%s.%.64s", before,
+                   *(char *const *)pel_message_member(where->element, key));
+    }
+}
+
+static enum pel_err refuse(enum pel_err err, const struct where *where,
+                           const char *value, const char *what,
+                           struct pel_fault *fault)
+{
+    char path[PATH_SIZE];
+    write_path(where, path);
+    return pel_fault_refuse(err, path, value, what, fault);
+}
+
+static enum pel_err check_number(const struct pel_field *info,
+                                 const struct where *where, double value,
+                                 struct pel_fault *fault)
 {
     bool finite = isfinite(value);
     if (finite &&
@@ -35,11 +80,12 @@ static enum pel_err check_number(const struct pel_field *info, const char *path,
     } else {
         g_snprintf(what, sizeof what, "is %s", text);
     }
-    return pel_fault_refuse(PEL_ERR_OUT_OF_RANGE, path, text, what, fault);
+    return refuse(PEL_ERR_OUT_OF_RANGE, where, text, what, fault);
 }
 
-static enum pel_err check_text(const struct pel_field *info, const char *path,
-                               const char *text, struct pel_fault *fault)
+static enum pel_err check_text(const struct pel_field *info,
+                               const struct where *where, const char *text,
+                               struct pel_fault *fault)
 {
     size_t length = strlen(text);
     char longer[64];
@@ -56,31 +102,21 @@ static enum pel_err check_text(const struct pel_field *info, const char *path,
             what = "holds a control character";
         }
     }
-    return what ? pel_fault_refuse(
-                      PEL_ERR_INVALID, path,
-                      g_utf8_validate(text, (gssize)length, NULL) ? text : NULL,
-                      what, fault)
+    return what ? refuse(PEL_ERR_INVALID, where,
+                         g_utf8_validate(text, (gssize)length, NULL) ? text
+                                                                     : NULL,
+                         what, fault)
                 : PEL_OK;
 }
 
-static void element_path(const ProtobufCMessage *element, const char *list,
-                         size_t index, char out[PATH_SIZE])
-{
-    const ProtobufCFieldDescriptor *key = pel_field_key(element->descriptor);
-    double number;
-    if (!key || !pel_message_has(element, key)) {
-        g_snprintf(out, PATH_SIZE, "%s.%zu", list, index);
-    } else if (pel_message_number(element, key, &number)) {
-        g_snprintf(out, PATH_SIZE, "%s.%.0f", list, number);
-    } else {
-        g_snprintf(out, PATH_SIZE, "%s.%.64s", list,
-                   *(char *const *)pel_message_member(element, key));
-    }
-}
+static enum pel_err check_message(const ProtobufCMessage *message,
+                                  const struct where *where,
+                                  struct pel_fault *fault);
 
 static enum pel_err check_field(const ProtobufCMessage *message,
                                 const ProtobufCFieldDescriptor *field,
-                                const char *path, struct pel_fault *fault)
+                                const struct where *where,
+                                struct pel_fault *fault)
 {
     const struct pel_field *info = pel_field_info(message->descriptor, field);
     const void *member = pel_message_member(message, field);
@@ -89,9 +125,8 @@ static enum pel_err check_field(const ProtobufCMessage *message,
         size_t count;
         ProtobufCMessage **list = pel_message_list(message, field, &count);
         for (size_t i = 0; i < count; i++) {
-            char below[PATH_SIZE];
-            element_path(list[i], path, i, below);
-            enum pel_err err = pel_message_check(list[i], below, fault);
+            const struct where below = { where, NULL, list[i], i };
+            enum pel_err err = check_message(list[i], &below, fault);
             if (err) {
                 return err;
             }
@@ -99,11 +134,10 @@ static enum pel_err check_field(const ProtobufCMessage *message,
         return PEL_OK;
     }
     if (field->type == PROTOBUF_C_TYPE_MESSAGE) {
-        return pel_message_check(*(ProtobufCMessage *const *)member, path,
-                                 fault);
+        return check_message(*(ProtobufCMessage *const *)member, where, fault);
     }
     if (field->type == PROTOBUF_C_TYPE_STRING) {
-        return check_text(info, path, *(char *const *)member, fault);
+        return check_text(info, where, *(char *const *)member, fault);
     }
     if (!pel_message_number(message, field, &number)) {
         return PEL_OK;
@@ -112,14 +146,15 @@ static enum pel_err check_field(const ProtobufCMessage *message,
         !protobuf_c_enum_descriptor_get_value(field->descriptor, (int)number)) {
         char text[32];
         pel_json_number(number, text);
-        return pel_fault_refuse(PEL_ERR_INVALID, path, text,
-                                "is not a value of its enum", fault);
+        return refuse(PEL_ERR_INVALID, where, text,
+                      "is not a value of its enum", fault);
     }
-    return check_number(info, path, number, fault);
+    return check_number(info, where, number, fault);
 }
 
-enum pel_err pel_message_check(const ProtobufCMessage *message,
-                               const char *path, struct pel_fault *fault)
+static enum pel_err check_message(const ProtobufCMessage *message,
+                                  const struct where *where,
+                                  struct pel_fault *fault)
 {
     const ProtobufCMessageDescriptor *type = message->descriptor;
     for (unsigned i = 0; i < type->n_fields; i++) {
@@ -127,13 +162,19 @@ enum pel_err pel_message_check(const ProtobufCMessage *message,
         if (!pel_message_has(message, field)) {
             continue;
         }
-        char below[PATH_SIZE];
-        g_snprintf(below, sizeof below, "%s%s%s", path, path[0] ? "." : "",
-                   pel_field_info(type, field)->name);
-        enum pel_err err = check_field(message, field, below, fault);
+        const struct where below = { where, pel_field_info(type, field)->name,
+                                     NULL, 0 };
+        enum pel_err err = check_field(message, field, &below, fault);
         if (err) {
             return err;
         }
     }
     return PEL_OK;
+}
+
+enum pel_err pel_message_check(const ProtobufCMessage *message,
+                               const char *path, struct pel_fault *fault)
+{
+    const struct where top = { NULL, path, NULL, 0 };
+    return check_message(message, &top, fault);
 }

@@ -14,18 +14,19 @@
 
 struct site {
     const char *what;
-    uint64_t count, stalls;
-    int64_t own_ns; /* in the dispatch at hand */
-    int64_t stalled_ns, longest_ns;
+    uint64_t count, stalls, hogs;
+    int64_t own_ns, own_cpu_ns; /* in the dispatch at hand */
+    int64_t stalled_ns, longest_ns, longest_cpu_ns;
     struct pel_watch_told told;
 };
 
 static struct {
     struct site sites[PEL_WATCH_NAMES];
     int count;
-    int now;         /* index of what is being done, -1: the loop itself */
-    int64_t turn_ns; /* the clock when that began */
-    int64_t wake_ns, cpu_ns, begin_ns, named_ns;
+    int now;             /* index of what is being done, -1: the loop itself */
+    int64_t turn_ns;     /* the clock when that began, */
+    int64_t turn_cpu_ns; /* and the thread's own */
+    int64_t wake_ns, cpu_ns, begin_ns, begin_cpu_ns, named_ns;
 } watch;
 static _Thread_local bool watched;
 
@@ -97,12 +98,14 @@ static void stalled(struct site *site, int64_t took_ns, int64_t now_ns)
 }
 
 /* What was done until now_ns is that of `watch.now`. */
-static void turn(int64_t now_ns)
+static void turn(int64_t now_ns, int64_t cpu_ns)
 {
     if (watch.now >= 0) {
         watch.sites[watch.now].own_ns += now_ns - watch.turn_ns;
+        watch.sites[watch.now].own_cpu_ns += cpu_ns - watch.turn_cpu_ns;
     }
     watch.turn_ns = now_ns;
+    watch.turn_cpu_ns = cpu_ns;
 }
 
 struct pel_watch_scope pel_watch_enter(const char *what)
@@ -111,11 +114,12 @@ struct pel_watch_scope pel_watch_enter(const char *what)
     if (!watched) {
         return scope;
     }
-    int64_t now_ns = pel_now_ns();
-    turn(now_ns);
+    int64_t now_ns = pel_now_ns(), cpu_ns = processor_ns();
+    turn(now_ns, cpu_ns);
     scope.before = watch.now;
     if (watch.now < 0) {
         watch.begin_ns = now_ns;
+        watch.begin_cpu_ns = cpu_ns;
     }
     watch.now = site_of(what);
     watch.sites[watch.now].count++;
@@ -123,20 +127,24 @@ struct pel_watch_scope pel_watch_enter(const char *what)
 }
 
 /* The outermost ends: whose it was. */
-static void judge(int64_t now_ns)
+static void judge(int64_t now_ns, int64_t now_cpu_ns)
 {
     int64_t took_ns = now_ns - watch.begin_ns;
-    struct site *most = &watch.sites[OTHER];
+    int64_t cpu_ns = now_cpu_ns - watch.begin_cpu_ns;
+    struct site *most = &watch.sites[OTHER], *hog = most;
     for (int i = 0; i < watch.count; i++) {
-        if (watch.sites[i].own_ns > most->own_ns) {
-            most = &watch.sites[i];
-        }
+        struct site *site = &watch.sites[i];
+        most = site->own_ns > most->own_ns ? site : most;
+        hog = site->own_cpu_ns > hog->own_cpu_ns ? site : hog;
     }
     if (took_ns > PEL_WATCH_LIMIT_NS) {
         stalled(most, took_ns, now_ns);
     }
+    hog->hogs += cpu_ns > PEL_WATCH_LIMIT_NS;
+    hog->longest_cpu_ns =
+        cpu_ns > hog->longest_cpu_ns ? cpu_ns : hog->longest_cpu_ns;
     for (int i = 0; i < watch.count; i++) {
-        watch.sites[i].own_ns = 0;
+        watch.sites[i].own_ns = watch.sites[i].own_cpu_ns = 0;
     }
     watch.named_ns += took_ns;
 }
@@ -146,11 +154,11 @@ void pel_watch_leave(const struct pel_watch_scope *scope)
     if (!watched || watch.now < 0) {
         return;
     }
-    int64_t now_ns = pel_now_ns();
-    turn(now_ns);
+    int64_t now_ns = pel_now_ns(), cpu_ns = processor_ns();
+    turn(now_ns, cpu_ns);
     watch.now = scope->before;
     if (watch.now < 0) {
-        judge(now_ns);
+        judge(now_ns, cpu_ns);
     }
 }
 
@@ -192,6 +200,17 @@ uint64_t pel_watch_stalls(const char *what)
     return site ? site->stalls : 0;
 }
 
+uint64_t pel_watch_busy(const char *what)
+{
+    const struct site *site = find(what);
+    return site ? site->hogs : 0;
+}
+
+int64_t pel_watch_spent_ns(void)
+{
+    return watched && watch.now >= 0 ? processor_ns() - watch.begin_cpu_ns : 0;
+}
+
 void pel_watch_collect(void *user, struct pel_metrics_page *page)
 {
     (void)user;
@@ -212,5 +231,14 @@ void pel_watch_collect(void *user, struct pel_metrics_page *page)
         pel_metric(page, "pelagos_control_stall_longest_seconds",
                    PEL_METRIC_GAUGE, "The longest of them.", label,
                    (double)site->longest_ns * 1e-9);
+        pel_metric(page, "pelagos_control_busy_total", PEL_METRIC_COUNTER,
+                   "Things that took the control thread more than a "
+                   "millisecond of processor.",
+                   label, (double)site->hogs);
+        pel_metric(page, "pelagos_control_busy_longest_seconds",
+                   PEL_METRIC_GAUGE,
+                   "The most processor that the control thread took for one "
+                   "of them.",
+                   label, (double)site->longest_cpu_ns * 1e-9);
     }
 }

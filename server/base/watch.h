@@ -1,7 +1,10 @@
 /* What keeps the control thread busy for longer than a millisecond: counted by
  * what it was, told in the log (CTL-001, seldom: struct pel_watch_told) and in
- * the metrics. Costs two readings of the clock for each thing that the loop
- * dispatches. Other threads, and programs that never begin, pay a load. */
+ * the metrics. Counted twice: by the clock, in which the thread may also have
+ * waited for a processor, and by the processor time of the thread itself, which
+ * is the same on a busy machine. Costs two readings of both clocks, half a
+ * microsecond, for each thing that the loop dispatches. Other threads, and
+ * programs that never begin, pay a load. */
 #pragma once
 
 #include <stdbool.h>
@@ -34,10 +37,15 @@ void pel_watch_leave(const struct pel_watch_scope *scope);
         __attribute__((cleanup(pel_watch_leave), unused)) =                    \
             pel_watch_enter(what)
 
-/* How often `what` was done by the watched thread, and how often it was a
- * stall. */
+/* How often `what` was done by the watched thread, how often it was a stall,
+ * and how often it took the processor for longer than that. */
 uint64_t pel_watch_count(const char *what);
 uint64_t pel_watch_stalls(const char *what);
+uint64_t pel_watch_busy(const char *what);
+
+/* Processor time of the dispatch at hand [ns]; 0 outside of one. For handlers
+ * that end their turn in time. */
+int64_t pel_watch_spent_ns(void);
 
 /* When a name was told of in the log, and how long it is not again: a minute,
  * then twice as long each time, an hour at most. Zero at first. */

@@ -4,6 +4,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include <cmocka.h>
 #include <glib.h>
@@ -67,6 +68,55 @@ static gboolean stop(gpointer user)
 {
     g_main_loop_quit(user);
     return G_SOURCE_REMOVE;
+}
+
+/* Waits as a thread does that gets no processor. */
+static gboolean waiting(gpointer user)
+{
+    PEL_WATCH("waiting");
+    g_usleep(3000);
+    (void)user;
+    return G_SOURCE_REMOVE;
+}
+
+static int64_t thread_ns(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+static gboolean working(gpointer user)
+{
+    PEL_WATCH("working");
+    int64_t end_ns = thread_ns() + 3000000;
+    while (thread_ns() < end_ns) {
+    }
+    *(int64_t *)user = pel_watch_spent_ns();
+    return G_SOURCE_REMOVE;
+}
+
+/* By its own processor time the thread is busy with work alone, whatever else
+ * the machine does. */
+static void busy_is_processor_time(void **state)
+{
+    (void)state;
+    int64_t spent_ns = 0;
+    GMainLoop *loop = g_main_loop_new(NULL, FALSE);
+    pel_log_set_level(PEL_LOG_ERROR);
+    pel_watch_begin();
+    g_timeout_add(1, waiting, NULL);
+    g_timeout_add(10, working, &spent_ns);
+    g_timeout_add(20, stop, loop);
+    g_main_loop_run(loop);
+    g_main_loop_unref(loop);
+    assert_int_equal(pel_watch_stalls("waiting"), 1);
+    assert_int_equal(pel_watch_busy("waiting"), 0);
+    assert_int_equal(pel_watch_stalls("working"), 1);
+    assert_int_equal(pel_watch_busy("working"), 1);
+    assert_true(spent_ns >= 3000000);
+    assert_int_equal(pel_watch_spent_ns(), 0);
+    pel_watch_end();
 }
 
 /* Each in a turn of its own; load can only add stalls. */
@@ -135,6 +185,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(stalls_are_seen),
+        cmocka_unit_test(busy_is_processor_time),
         cmocka_unit_test(other_threads_are_not_watched),
         cmocka_unit_test(the_log_is_not_filled),
     };
