@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hash.h"
 #include "base/reserve.h"
 #include "fault.h"
 #include "optics/thermal.h"
@@ -27,15 +28,42 @@ struct snapshot {
     struct pel_view_state views[PEL_MAX_VIEWS];
 };
 
+/* A place in the plane of an origin: geodesics of a microsecond each, which an
+ * edit of one entity among 256 need not compute for all of them again. */
+struct plane {
+    double of[4]; /* the origin, the place [deg] */
+    double east_m, north_m, turned_rad;
+    bool known;
+};
+#define PLANES 512
+static _Thread_local struct plane planes[PLANES];
+
+static struct plane in_plane(const Pelagos__Origin *origin, double lat,
+                             double lon)
+{
+    const double of[4] = { origin->latitude, origin->longitude, lat, lon };
+    uint64_t bits[2];
+    memcpy(bits, of + 2, sizeof bits);
+    uint64_t key = pel_hash_mix(bits[0] ^ pel_hash_mix(bits[1]));
+    struct plane *kept = &planes[key % PLANES];
+    if (!kept->known || memcmp(kept->of, of, sizeof of) != 0) {
+        memcpy(kept->of, of, sizeof of);
+        kept->turned_rad = pel_geo_to_plane(of[0], of[1], lat, lon,
+                                            &kept->east_m, &kept->north_m);
+        kept->known = true;
+    }
+    return *kept;
+}
+
 static void place_entity(const Pelagos__Origin *origin,
                          const Pelagos__Entity *from,
                          struct pel_entity_state *to)
 {
-    double turned = pel_geo_convergence(origin->latitude, origin->longitude,
-                                        from->latitude, from->longitude);
+    const struct plane at = in_plane(origin, from->latitude, from->longitude);
+    double turned = at.turned_rad;
     to->id = from->id;
-    pel_geo_to_local(origin->latitude, origin->longitude, from->latitude,
-                     from->longitude, &to->east_m, &to->north_m);
+    to->east_m = at.east_m;
+    to->north_m = at.north_m;
     to->altitude_m = from->altitude;
     to->heading_rad = from->heading * PEL_DEG + turned;
     to->pitch_rad = from->pitch * PEL_DEG;

@@ -173,15 +173,20 @@ static bool same_key(const ProtobufCFieldDescriptor *key,
                 : memcmp(va, vb, pel_message_value_size(key)) == 0);
 }
 
+/* The one with that key. From *from on, and then from the list's begin: a patch
+ * has its elements in the list's order as a rule, and the state may have 256.
+ */
 static ProtobufCMessage *find(const ProtobufCMessage *holder,
                               const ProtobufCFieldDescriptor *field,
-                              const ProtobufCMessage *like)
+                              const ProtobufCFieldDescriptor *key,
+                              const ProtobufCMessage *like, size_t *from)
 {
-    const ProtobufCFieldDescriptor *key = pel_field_key(field->descriptor);
     size_t count;
     ProtobufCMessage **list = pel_message_list(holder, field, &count);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t k = 0; k < count; k++) {
+        size_t i = (*from + k) % count;
         if (same_key(key, list[i], like)) {
+            *from = i + 1;
             return list[i];
         }
     }
@@ -193,12 +198,14 @@ static void merge_list(ProtobufCMessage *to, const ProtobufCMessage *from,
 {
     size_t count;
     ProtobufCMessage **list = pel_message_list(from, field, &count);
-    bool keyed = pel_field_key(field->descriptor);
-    if (!keyed) {
+    const ProtobufCFieldDescriptor *key = pel_field_key(field->descriptor);
+    if (!key) {
         pel_message_clear(to, field);
     }
+    size_t next = 0;
     for (size_t i = 0; i < count; i++) {
-        ProtobufCMessage *element = keyed ? find(to, field, list[i]) : NULL;
+        ProtobufCMessage *element =
+            key ? find(to, field, key, list[i], &next) : NULL;
         merge(element ? element : pel_message_append(to, field), list[i]);
     }
 }

@@ -46,21 +46,25 @@ struct inverse {
     double sin_sigma, cos_sigma, sigma, cos2_alpha, cos_2m;
 };
 
+/* Sines and cosines of the two reduced latitudes. */
+struct ends {
+    double s1, c1, s2, c2;
+};
+
 /* Eqs. 14 to 18 for one lambda. */
-static void arc(double u1, double u2, double lambda, struct inverse *out,
+static void arc(const struct ends *u, double lambda, struct inverse *out,
                 double *sin_alpha)
 {
-    double x = cos(u2) * sin(lambda);
-    double y = cos(u1) * sin(u2) - sin(u1) * cos(u2) * cos(lambda);
+    double sl = sin(lambda), cl = cos(lambda);
+    double x = u->c2 * sl;
+    double y = u->c1 * u->s2 - u->s1 * u->c2 * cl;
     out->sin_sigma = hypot(x, y);
-    out->cos_sigma = sin(u1) * sin(u2) + cos(u1) * cos(u2) * cos(lambda);
+    out->cos_sigma = u->s1 * u->s2 + u->c1 * u->c2 * cl;
     out->sigma = atan2(out->sin_sigma, out->cos_sigma);
-    *sin_alpha = out->sin_sigma > 0
-                     ? cos(u1) * cos(u2) * sin(lambda) / out->sin_sigma
-                     : 0;
+    *sin_alpha = out->sin_sigma > 0 ? u->c1 * u->c2 * sl / out->sin_sigma : 0;
     out->cos2_alpha = 1 - *sin_alpha * *sin_alpha;
     out->cos_2m = out->cos2_alpha > 1e-15
-                      ? out->cos_sigma - 2 * sin(u1) * sin(u2) / out->cos2_alpha
+                      ? out->cos_sigma - 2 * u->s1 * u->s2 / out->cos2_alpha
                       : 0;
 }
 
@@ -69,12 +73,13 @@ static double geodesic(double origin_lat, double origin_lon, double lat,
                        double lon, double *azimuth, double *arrival)
 {
     double u1 = reduced(origin_lat * PEL_DEG), u2 = reduced(lat * PEL_DEG);
+    const struct ends u = { sin(u1), cos(u1), sin(u2), cos(u2) };
     double l = remainder(lon - origin_lon, 360.0) * PEL_DEG;
     double lambda = l, sin_alpha;
     struct inverse at;
     bool converged = false;
     for (int i = 0; i < 50 && !converged; i++) {
-        arc(u1, u2, lambda, &at, &sin_alpha);
+        arc(&u, lambda, &at, &sin_alpha);
         double c = eq10_c(at.cos2_alpha);
         double next =
             l + (1 - c) * F * sin_alpha *
@@ -96,13 +101,12 @@ static double geodesic(double origin_lat, double origin_lon, double lat,
                                            at.cos_sigma, at.cos_2m));
     } else {
         lambda = l;
-        arc(u1, u2, lambda, &at, &sin_alpha);
+        arc(&u, lambda, &at, &sin_alpha);
         distance = A * at.sigma;
     }
-    *azimuth = atan2(cos(u2) * sin(lambda),
-                     cos(u1) * sin(u2) - sin(u1) * cos(u2) * cos(lambda));
-    *arrival = atan2(cos(u1) * sin(lambda),
-                     cos(u1) * sin(u2) * cos(lambda) - sin(u1) * cos(u2));
+    double sl = sin(lambda), cl = cos(lambda);
+    *azimuth = atan2(u.c2 * sl, u.c1 * u.s2 - u.s1 * u.c2 * cl);
+    *arrival = atan2(u.c1 * sl, u.c1 * u.s2 * cl - u.s1 * u.c2);
     return distance;
 }
 
@@ -153,16 +157,23 @@ void pel_geo_from_local(double origin_lat, double origin_lon, double east_m,
     *lon = remainder(origin_lon + l / PEL_DEG, 360.0);
 }
 
-double pel_geo_convergence(double origin_lat, double origin_lon, double lat,
-                           double lon)
+double pel_geo_to_plane(double origin_lat, double origin_lon, double lat,
+                        double lon, double *east_m, double *north_m)
 {
     /* 111 m: far above the rounding of the projection, far below its scale. */
     double step = lat > 0 ? -1e-3 : 1e-3;
-    double east0, north0, east1, north1;
-    pel_geo_to_local(origin_lat, origin_lon, lat, lon, &east0, &north0);
+    double east1, north1;
+    pel_geo_to_local(origin_lat, origin_lon, lat, lon, east_m, north_m);
     pel_geo_to_local(origin_lat, origin_lon, lat + step, lon, &east1, &north1);
-    double east = (east1 - east0) / step, north = (north1 - north0) / step;
+    double east = (east1 - *east_m) / step, north = (north1 - *north_m) / step;
     return atan2(east, north);
+}
+
+double pel_geo_convergence(double origin_lat, double origin_lon, double lat,
+                           double lon)
+{
+    double east, north;
+    return pel_geo_to_plane(origin_lat, origin_lon, lat, lon, &east, &north);
 }
 
 double pel_geo_turn(double origin_lat, double origin_lon, double lat,

@@ -20,6 +20,10 @@ void pel_geo_from_local(double origin_lat, double origin_lon, double east_m,
 double pel_geo_convergence(double origin_lat, double origin_lon, double lat,
                            double lon);
 
+/* Both: the place in the local frame and, returned, its convergence. */
+double pel_geo_to_plane(double origin_lat, double origin_lon, double lat,
+                        double lon, double *east_m, double *north_m);
+
 /* The same by parallel transport along the geodesic from the origin: what turns
  * the local frame's axes at a place rigidly. Where the map of the local frame
  * keeps lengths (within 100 km to 4e-5) it is the convergence; at the origin's
