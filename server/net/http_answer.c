@@ -8,6 +8,7 @@
 #include "cluster/cluster.h"
 #include "json.h"
 #include "net/command.h"
+#include "net/http_view.h"
 #include "scene/almanac.h"
 #include "scene/catalogue.h"
 #include "scene/led.h"
@@ -40,7 +41,7 @@ void pel_http_kick(struct pel_http_server *server)
 
 void pel_http_resume(struct client *client)
 {
-    if (client->suspended) {
+    if (client->suspended && !client->waiting) {
         client->suspended = false;
         MHD_resume_connection(client->connection);
         pel_http_kick(client->server);
@@ -49,8 +50,10 @@ void pel_http_resume(struct client *client)
 
 void pel_http_suspend(struct client *client)
 {
-    client->suspended = true;
-    MHD_suspend_connection(client->connection);
+    if (!client->suspended) {
+        client->suspended = true;
+        MHD_suspend_connection(client->connection);
+    }
 }
 
 static void add(struct MHD_Response *response, const char *name,
@@ -100,6 +103,9 @@ enum MHD_Result pel_http_send(struct client *client,
                               struct pel_http_answer *answer)
 {
     struct MHD_Response *response;
+    if (pel_http_write_later(client, answer)) {
+        return MHD_YES;
+    }
     if (answer->owned) {
         response = MHD_create_response_from_buffer(answer->size, answer->owned,
                                                    MHD_RESPMEM_MUST_FREE);
@@ -212,11 +218,8 @@ static enum MHD_Result wait_on(struct client *client, struct waiter *waiter,
 
 static void send_json(struct client *client, const ProtobufCMessage *message)
 {
-    struct pel_http_answer answer = { .status = 200,
-                                      .type = "application/json" };
-    answer.owned = pel_json_from_message(message, false);
-    answer.body = answer.owned;
-    answer.size = strlen(answer.owned);
+    struct pel_http_answer answer = { .kind = PEL_HTTP_WHOLE };
+    pel_http_copy(&answer, 200, message);
     pel_http_send(client, &answer);
 }
 
@@ -259,7 +262,7 @@ enum MHD_Result pel_http_send_surface(struct client *client,
     enum pel_err err =
         pel_command_surface(client->server->frames, answer->surface, NULL,
                             on_surface, waiter, &fault);
-    pel_http_answer_finish(answer);
+    pel_http_forget_later(client, answer);
     return wait_on(client, waiter, err, &fault);
 }
 

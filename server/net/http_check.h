@@ -25,6 +25,7 @@ struct pel_route {
     int flags;
     void (*handle)(const struct pel_http_call *call);
     const char *query; /* its parameters, likewise */
+    const char *body;  /* a message of the schema, "merge", "sdp" or "" */
 };
 
 /* GET, HEAD. */

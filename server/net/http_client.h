@@ -15,6 +15,7 @@
 #include "net/mjpeg.h"
 #include "net/tsviewer.h"
 #include "net/whep.h"
+#include "scene/worker.h"
 
 #define PEL_HTTP_STATUS_MAX 600
 
@@ -52,8 +53,11 @@ struct client {
     const char *target_at, *version_at;
     GString *body;
     size_t body_limit;
-    const char *origin; /* an allowed one that asks, or NULL */
-    char ignored[200];  /* as struct pel_http_answer has it */
+    struct pel_http_read *parsed; /* the body, where a thread has read it */
+    const char *method;           /* the library's, of this request */
+    bool edits;                   /* what watch may not ask for */
+    const char *origin;           /* an allowed one that asks, or NULL */
+    char ignored[200];            /* as struct pel_http_answer has it */
     bool suspended;
     bool of_debrief;   /* the pictures that it asks for */
     bool waiting;      /* for frame or surface */
@@ -88,6 +92,8 @@ struct pel_http_server {
     bool accepting_reserve; /* of the connection that is being added */
     guint sweeper;
     GPtrArray *clients;
+    struct pel_worker *edit_worker, *question_worker; /* http_later.c */
+    unsigned reading; /* bodies of edits, by that worker */
     struct pel_mjpeg_stats mjpeg;
     struct pel_live_stats live;
     struct pel_ts_stats ts;
@@ -113,14 +119,32 @@ void pel_http_kick(struct pel_http_server *server);
 struct waiter *pel_http_wait_begin(struct client *client);
 struct client *pel_http_wait_end(struct waiter *waiter);
 
-/* Leaves the connection alone until pel_http_resume. */
+/* Leaves the connection alone until pel_http_resume; nothing for one that is
+ * suspended. */
 void pel_http_suspend(struct client *client);
 
-/* Lets a suspended connection go on; nothing for any other. */
+/* Lets a suspended connection go on; nothing for any other, nor for one that
+ * waits for an answer. */
 void pel_http_resume(struct client *client);
 
+/* Answers the request, whose body is there. */
+enum MHD_Result pel_http_take(struct client *client);
+
+/* http_later.c: has a long body read by a thread, which then takes the request;
+ * false: it is short, or read. */
+bool pel_http_read_later(struct client *client,
+                         const struct pel_http_request *request);
+/* Has a long answer written by a thread, which then sends it; false: it is
+ * short, and written. Takes *answer over. */
+bool pel_http_write_later(struct client *client,
+                          struct pel_http_answer *answer);
+/* Has a large answer freed by a thread. */
+void pel_http_forget_later(struct client *client,
+                           struct pel_http_answer *answer);
+
 /* Sends a whole answer and finishes it. In the library's handler, or while
- * the connection is suspended. */
+ * the connection is suspended; a long one is written first, and the connection
+ * stays suspended until then. */
 enum MHD_Result pel_http_send(struct client *client,
                               struct pel_http_answer *answer);
 

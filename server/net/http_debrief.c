@@ -11,8 +11,7 @@ static ProtobufCMessage *read_body(const struct pel_http_call *call,
 {
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;
-    enum pel_err err = pel_json_to_message(
-        call->request->body, call->request->body_size, type, &message, &fault);
+    enum pel_err err = pel_http_body(call, type, &message, &fault);
     if (!err) {
         err = pel_command_check(message, &fault);
     }
@@ -67,8 +66,7 @@ void pel_http_post_recording(const struct pel_http_call *call)
 static void answer_status(const struct pel_http_call *call)
 {
     const Pelagos__Debrief *status = pel_debrief_status(call->context->debrief);
-    pel_http_json(call->answer, 200,
-                  pel_json_from_message(&status->base, false));
+    pel_http_copy(call->answer, 200, &status->base);
 }
 
 void pel_http_get_debrief(const struct pel_http_call *call)

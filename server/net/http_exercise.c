@@ -38,9 +38,7 @@ static void answer(const struct pel_http_call *call,
                    Pelagos__ExerciseStatus *status)
 {
     if (status) {
-        pel_http_json(call->answer, 200,
-                      pel_json_from_message(&status->base, false));
-        pelagos__exercise_status__free_unpacked(status, NULL);
+        pel_http_message(call->answer, 200, &status->base, false);
     }
 }
 
@@ -57,16 +55,6 @@ static Pelagos__ExerciseCommand about(const struct pel_http_call *call,
     return command;
 }
 
-static enum pel_err read_body(const struct pel_http_call *call,
-                              const ProtobufCMessageDescriptor *type,
-                              ProtobufCMessage **out, struct pel_fault *fault)
-{
-    bool empty = call->request->body_size == 0;
-    return pel_json_to_message(empty ? "{}" : call->request->body,
-                               empty ? 2 : call->request->body_size, type, out,
-                               fault);
-}
-
 void pel_http_get_exercise(const struct pel_http_call *call)
 {
     Pelagos__ExerciseCommand command =
@@ -78,8 +66,8 @@ void pel_http_post_exercise(const struct pel_http_call *call)
 {
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;
-    enum pel_err err = read_body(call, &pelagos__exercise_command__descriptor,
-                                 &message, &fault);
+    enum pel_err err = pel_http_body_if_any(
+        call, &pelagos__exercise_command__descriptor, &message, &fault);
     if (err) {
         pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
         return;
@@ -91,9 +79,7 @@ void pel_http_post_exercise(const struct pel_http_call *call)
 void pel_http_get_cluster(const struct pel_http_call *call)
 {
     Pelagos__Cluster *cluster = pel_cluster_status(call->context->cluster);
-    pel_http_json(call->answer, 200,
-                  pel_json_from_message(&cluster->base, false));
-    pelagos__cluster__free_unpacked(cluster, NULL);
+    pel_http_message(call->answer, 200, &cluster->base, false);
 }
 
 /* The body says where, if there is one. */
@@ -120,7 +106,7 @@ void pel_http_put_place(const struct pel_http_call *call)
 {
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;
-    enum pel_err err = read_body(
+    enum pel_err err = pel_http_body_if_any(
         call, &pelagos__cluster_place_command__descriptor, &message, &fault);
     if (!err && !((Pelagos__ClusterPlaceCommand *)message)->node) {
         protobuf_c_message_free_unpacked(message, NULL);
@@ -148,9 +134,7 @@ void pel_http_get_placed(const struct pel_http_call *call)
     }
     Pelagos__ClusterPlace *now =
         pel_cluster_placed(call->context->cluster, view->name, &here);
-    pel_http_json(call->answer, here ? 200 : 503,
-                  pel_json_from_message(&now->base, false));
-    pelagos__cluster_place__free_unpacked(now, NULL);
+    pel_http_message(call->answer, here ? 200 : 503, &now->base, false);
 }
 
 void pel_http_get_exercises(const struct pel_http_call *call)
@@ -166,8 +150,8 @@ void pel_http_get_one_exercise(const struct pel_http_call *call)
         about(call, PELAGOS__EXERCISE_ACTION__SHOW);
     Pelagos__ExerciseStatus *status = ask(call, &command, 404);
     if (status) {
-        pel_http_json(call->answer, 200,
-                      pel_json_from_message(&status->exercise->base, true));
+        pel_http_message(call->answer, 200, &status->exercise->base, true);
+        status->exercise = NULL;
         pelagos__exercise_status__free_unpacked(status, NULL);
     }
 }
@@ -176,8 +160,8 @@ void pel_http_put_exercise(const struct pel_http_call *call)
 {
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;
-    enum pel_err err =
-        read_body(call, &pelagos__exercise__descriptor, &message, &fault);
+    enum pel_err err = pel_http_body_if_any(
+        call, &pelagos__exercise__descriptor, &message, &fault);
     if (err) {
         pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
         return;
@@ -188,9 +172,10 @@ void pel_http_put_exercise(const struct pel_http_call *call)
     Pelagos__ExerciseStatus *status = ask(call, &command, 400);
     if (status) {
         pelagos__exercise_status__free_unpacked(status, NULL);
-        pel_http_json(call->answer, 200, pel_json_from_message(message, true));
+        pel_http_message(call->answer, 200, message, true);
+    } else {
+        protobuf_c_message_free_unpacked(message, NULL);
     }
-    protobuf_c_message_free_unpacked(message, NULL);
 }
 
 void pel_http_delete_exercise(const struct pel_http_call *call)

@@ -90,9 +90,8 @@ void pel_http_post_optics(const struct pel_http_call *call)
 {
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;
-    enum pel_err err = pel_json_to_message(
-        call->request->body, call->request->body_size,
-        &pelagos__optics_query__descriptor, &message, &fault);
+    enum pel_err err = pel_http_body(call, &pelagos__optics_query__descriptor,
+                                     &message, &fault);
     if (err == PEL_OK) {
         carry_out(call, (Pelagos__OpticsQuery *)message);
     } else {

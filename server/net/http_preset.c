@@ -51,17 +51,18 @@ void pel_http_get_presets(const struct pel_http_call *call)
     Pelagos__State only = PELAGOS__STATE__INIT;
     only.presets = state->presets;
     only.n_presets = state->n_presets;
-    pel_http_json(call->answer, 200,
-                  state->n_presets ? pel_json_from_message(&only.base, false)
-                                   : pel_sure_strdup("{\"presets\":[]}"));
+    if (state->n_presets > 0) {
+        pel_http_copy(call->answer, 200, &only.base);
+    } else {
+        pel_http_json(call->answer, 200, pel_sure_strdup("{\"presets\":[]}"));
+    }
 }
 
 static void answer_preset(const struct pel_http_call *call, int status)
 {
     const Pelagos__Preset *preset = need(call);
     if (preset) {
-        pel_http_json(call->answer, status,
-                      pel_json_from_message(&preset->base, false));
+        pel_http_copy(call->answer, status, &preset->base);
     }
 }
 
@@ -111,8 +112,7 @@ void pel_http_put_preset(const struct pel_http_call *call)
     ProtobufCMessage *message = NULL;
     bool exists = find(call) != NULL;
     enum pel_err err =
-        pel_json_to_message(call->request->body, call->request->body_size,
-                            &pelagos__preset__descriptor, &message, &fault);
+        pel_http_body(call, &pelagos__preset__descriptor, &message, &fault);
     if (err == PEL_OK) {
         err = put(call, (Pelagos__Preset *)message, exists, &fault);
         protobuf_c_message_free_unpacked(message, NULL);

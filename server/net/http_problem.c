@@ -125,6 +125,10 @@ void pel_http_answer_finish(struct pel_http_answer *answer)
     free(answer->owned);
     answer->owned = NULL;
     answer->body = NULL;
+    if (answer->message) {
+        protobuf_c_message_free_unpacked(answer->message, NULL);
+        answer->message = NULL;
+    }
     if (answer->frame) {
         pelagos__frame_request__free_unpacked(answer->frame, NULL);
         answer->frame = NULL;

@@ -16,6 +16,8 @@ struct pel_http_header {
     const char *name, *value;
 };
 
+struct pel_http_read;
+
 struct pel_http_request {
     const char *method;
     const char *target; /* the path, with the query */
@@ -26,6 +28,7 @@ struct pel_http_request {
     size_t header_count;
     const char *body; /* need not be terminated */
     size_t body_size;
+    struct pel_http_read *read; /* the body as a message, or NULL: not yet */
 };
 
 /* First value of a header (any case), or NULL; *count (may be NULL): how many

@@ -83,8 +83,7 @@ bool pel_http_precondition(const struct pel_http_call *call)
 void pel_http_answer_state(const struct pel_http_context *context,
                            struct pel_http_answer *answer)
 {
-    const Pelagos__State *state = pel_scene_state(context->scene);
-    pel_http_json(answer, 200, pel_json_from_message(&state->base, false));
+    pel_http_copy(answer, 200, &pel_scene_state(context->scene)->base);
     set_revision(context, answer);
 }
 
@@ -194,8 +193,7 @@ static void patch_state(const struct pel_http_call *call)
     }
     struct pel_fault fault;
     Pelagos__Patch *patch = NULL;
-    enum pel_err err = pel_json_merge_patch(
-        call->request->body, call->request->body_size, &patch, &fault);
+    enum pel_err err = pel_http_merge_body(call, &patch, &fault);
     if (err != PEL_OK) {
         pel_http_answer_refused(call->answer, &fault);
         return;
@@ -282,41 +280,55 @@ static void append_value(GString *out, const struct pel_path_info *info,
     }
 }
 
-static void get_field(const struct pel_http_call *call)
+/* What is at answer->path. */
+static void write_field(struct pel_http_answer *answer,
+                        const ProtobufCMessage *message)
 {
     enum { ROOM = 1 << 18 };
     struct pel_fault fault;
     struct pel_path_info info;
-    const Pelagos__State *state = pel_scene_state(call->context->scene);
-    char *path = path_of_segments(call);
-    /* The time goes on without a revision. */
-    bool moves = g_str_has_prefix(path, "clock");
-    if (!moves && is_known(call)) {
-        g_free(path);
-        return;
-    }
-    call->answer->tag[0] = '\0';
+    const Pelagos__State *state = (const Pelagos__State *)message;
     char *text = g_malloc(ROOM);
-    enum pel_err err = pel_path_find(path, &info, &fault);
+    enum pel_err err = pel_path_find(answer->path, &info, &fault);
     if (err == PEL_OK) {
-        err = pel_path_get(state, path, text, ROOM, &fault);
+        err = pel_path_get(state, answer->path, text, ROOM, &fault);
     }
     if (err == PEL_OK) {
         GString *out = g_string_new("{\"path\":");
-        append_quoted(out, path);
+        append_quoted(out, answer->path);
         g_string_append(out, ",\"value\":");
         append_value(out, &info, text);
         append_info(out, info.info);
         g_string_append(out, "}\n");
-        pel_http_json(call->answer, 200, g_string_free(out, FALSE));
-        if (!moves) {
-            set_tag(call);
-        }
+        pel_http_json(answer, 200, g_string_free(out, FALSE));
     } else {
-        pel_http_refuse(call, 404, &fault);
+        pel_http_problem(answer, 404, &fault);
     }
     g_free(text);
-    g_free(path);
+}
+
+static void get_field(const struct pel_http_call *call)
+{
+    struct pel_path_info info;
+    struct pel_http_answer *answer = call->answer;
+    const Pelagos__State *state = pel_scene_state(call->context->scene);
+    g_autofree char *path = path_of_segments(call);
+    /* The time goes on without a revision. */
+    bool moves = g_str_has_prefix(path, "clock");
+    if (!moves && is_known(call)) {
+        return;
+    }
+    g_strlcpy(answer->path, path, sizeof answer->path);
+    if (moves) {
+        answer->tag[0] = '\0';
+    }
+    if (pel_path_find(path, &info, NULL) == PEL_OK &&
+        info.field->type == PROTOBUF_C_TYPE_MESSAGE) {
+        pel_http_copy(answer, 200, &state->base);
+        answer->write = write_field;
+    } else {
+        write_field(answer, &state->base);
+    }
 }
 
 struct listing {
@@ -356,11 +368,8 @@ static void post_step(const struct pel_http_call *call)
 {
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;
-    bool empty = call->request->body_size == 0;
-    enum pel_err err =
-        pel_json_to_message(empty ? "{}" : call->request->body,
-                            empty ? 2 : call->request->body_size,
-                            &pelagos__clock_step__descriptor, &message, &fault);
+    enum pel_err err = pel_http_body_if_any(
+        call, &pelagos__clock_step__descriptor, &message, &fault);
     if (err == PEL_OK) {
         err = pel_command_check(message, &fault);
     }
@@ -379,9 +388,8 @@ static void post_surface(const struct pel_http_call *call)
 {
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;
-    enum pel_err err = pel_json_to_message(
-        call->request->body, call->request->body_size,
-        &pelagos__surface_query__descriptor, &message, &fault);
+    enum pel_err err = pel_http_body(call, &pelagos__surface_query__descriptor,
+                                     &message, &fault);
     if (err != PEL_OK) {
         pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
         return;
@@ -394,11 +402,8 @@ static void post_spectrum(const struct pel_http_call *call)
 {
     struct pel_fault fault;
     ProtobufCMessage *message = NULL;
-    bool empty = call->request->body_size == 0;
-    enum pel_err err = pel_json_to_message(empty ? "{}" : call->request->body,
-                                           empty ? 2 : call->request->body_size,
-                                           &pelagos__spectrum_query__descriptor,
-                                           &message, &fault);
+    enum pel_err err = pel_http_body_if_any(
+        call, &pelagos__spectrum_query__descriptor, &message, &fault);
     if (err != PEL_OK) {
         pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
         return;
@@ -466,7 +471,7 @@ static void get_file(const struct pel_http_call *call)
 
 static const struct pel_route routes[] = {
 #define PEL_ROUTE(method, path, flags, handler, query, body, answer, text)     \
-    { method, path, flags, handler, query },
+    { method, path, flags, handler, query, body },
 #include "proto/routes.def"
 };
 
@@ -673,6 +678,24 @@ bool pel_http_admit(const struct pel_http_context *context,
         *body_limit = limit;
     }
     return true;
+}
+
+const char *pel_http_about(const struct pel_http_request *request, bool *edits)
+{
+    struct pel_http_target target;
+    struct pel_fault fault;
+    *edits = false;
+    if (pel_http_parse_target(request->target, &target, &fault)) {
+        return NULL;
+    }
+    const struct pel_route *route = route_of(request->method, &target);
+    if (!route) {
+        return NULL;
+    }
+    *edits = !(route->flags & ROUTE_OPEN) &&
+             pel_role_of_route(route->method, route->pattern) > PEL_ROLE_WATCH;
+    bool message = route->body[0] && !(route->flags & ROUTE_SDP);
+    return message ? route->body : NULL;
 }
 
 void pel_http_route(const struct pel_http_context *context,

@@ -60,10 +60,21 @@ enum pel_http_kind {
     PEL_HTTP_PLACE,      /* carry out `place`, answer with the Cluster */
 };
 
+/* Above so many bytes a body is read, or an answer written, by a thread: less
+ * takes some 0.1 ms. */
+#define PEL_HTTP_AT_ONCE 4096
+
 struct pel_http_answer {
     enum pel_http_kind kind;
     int status;
     const char *type; /* Content-Type, static; NULL: no body */
+    /* Yet to be written as the body (pel_http_write), ours; or NULL */
+    ProtobufCMessage *message;
+    bool pretty;
+    char path[200]; /* for `write` */
+    /* Any thread; NULL: the whole as JSON. May refuse. */
+    void (*write)(struct pel_http_answer *answer,
+                  const ProtobufCMessage *message);
     char *owned;      /* body to free(), or NULL */
     const void *body; /* `owned`, or static data */
     size_t size;
@@ -104,6 +115,27 @@ struct pel_http_answer {
 };
 
 void pel_http_answer_finish(struct pel_http_answer *answer);
+
+/* Whether writing it takes long. */
+bool pel_http_is_long(const struct pel_http_answer *answer);
+/* Makes a message the body; nothing where there is none. Any thread. */
+void pel_http_write(struct pel_http_answer *answer);
+
+/* A body as a message, or why it is none. */
+struct pel_http_read {
+    enum pel_err err;
+    struct pel_fault fault;
+    ProtobufCMessage *message; /* NULL: taken, or none */
+};
+
+/* By the name that proto/routes.def gives the body. Any thread. */
+void pel_http_read(const char *name, const char *body, size_t size,
+                   struct pel_http_read *out);
+void pel_http_read_finish(struct pel_http_read *read);
+
+/* That name, or NULL: there is no message in the body. *edits: those who may
+ * only watch may not ask for it. */
+const char *pel_http_about(const struct pel_http_request *request, bool *edits);
 
 /* Judges a request by its head alone, before its body is read. True: go on
  * (body_limit, if not NULL, gets the most bytes of body there may be); false:

@@ -224,9 +224,8 @@ void pel_http_post_series(const struct pel_http_call *call)
         }
     }
     if (err == PEL_OK) {
-        err = pel_json_to_message(call->request->body, call->request->body_size,
-                                  &pelagos__series_query__descriptor, &message,
-                                  &fault);
+        err = pel_http_body(call, &pelagos__series_query__descriptor, &message,
+                            &fault);
     }
     if (err != PEL_OK) {
         pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);

@@ -72,6 +72,7 @@ static bool describe(struct client *client, const char *method,
         .header_count = MIN(headers->count, MAX_HEADERS),
         .body = client->body ? client->body->str : "",
         .body_size = client->body ? client->body->len : 0,
+        .read = client->parsed,
     };
     return headers->count <= MAX_HEADERS;
 }
@@ -155,14 +156,17 @@ static enum MHD_Result take_body(struct client *client, const char *data,
     return MHD_YES;
 }
 
-static enum MHD_Result take_request(struct client *client, const char *method)
+enum MHD_Result pel_http_take(struct client *client)
 {
     struct headers headers;
     struct pel_http_request request;
     struct pel_http_answer answer;
     client->phase = PHASE_ANSWER;
     client->deadline_ns = pel_http_after(client->server->limits.http_answer_s);
-    describe(client, method, &headers, &request);
+    describe(client, client->method, &headers, &request);
+    if (pel_http_read_later(client, &request)) {
+        return MHD_YES;
+    }
     struct pel_scene *scene = client->server->context.scene;
     bool gated = pel_scene_gated(scene);
     uint64_t before = gated ? pel_scene_state(scene)->revision : 0;
@@ -173,7 +177,7 @@ static enum MHD_Result take_request(struct client *client, const char *method)
     bool picture = answer.kind == PEL_HTTP_FRAME ||
                    answer.kind == PEL_HTTP_FRAMES ||
                    answer.kind == PEL_HTTP_MJPEG || answer.kind == PEL_HTTP_TS;
-    if (picture && strcmp(method, "HEAD") == 0) {
+    if (picture && strcmp(client->method, "HEAD") == 0) {
         return pel_http_send_head(client, &answer);
     }
     bool stream = answer.kind == PEL_HTTP_MJPEG || answer.kind == PEL_HTTP_TS ||
@@ -246,7 +250,8 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
         *size = 0;
         return result;
     }
-    return take_request(client, method);
+    client->method = method;
+    return pel_http_take(client);
 }
 
 static struct client *client_of(struct MHD_Connection *connection)
@@ -571,6 +576,8 @@ enum pel_err pel_http_server_create(const struct pel_net_limits *limits,
         g_source_add_unix_fd(&server->source->source, epoll, G_IO_IN);
     g_source_attach(&server->source->source, NULL);
     server->sweeper = g_timeout_add(SWEEP_MS, sweep, server);
+    server->edit_worker = pel_worker_create("edits");
+    server->question_worker = pel_worker_create("answers");
     server->hls = pel_hls_create(frames);
     server->whep = pel_whep_create(frames, whep);
     *out = server;
@@ -592,6 +599,8 @@ void pel_http_server_destroy(struct pel_http_server *server)
     }
     MHD_run(server->daemon);
     MHD_stop_daemon(server->daemon);
+    pel_worker_destroy(server->edit_worker);
+    pel_worker_destroy(server->question_worker);
     pel_hls_destroy(server->hls);
     pel_whep_destroy(server->whep);
     g_ptr_array_free(server->clients, TRUE);

@@ -55,17 +55,18 @@ void pel_http_get_views(const struct pel_http_call *call)
     Pelagos__State only = PELAGOS__STATE__INIT;
     only.views = state->views;
     only.n_views = state->n_views;
-    pel_http_json(call->answer, 200,
-                  state->n_views ? pel_json_from_message(&only.base, false)
-                                 : pel_sure_strdup("{\"views\":[]}"));
+    if (state->n_views > 0) {
+        pel_http_copy(call->answer, 200, &only.base);
+    } else {
+        pel_http_json(call->answer, 200, pel_sure_strdup("{\"views\":[]}"));
+    }
 }
 
 static void answer_view(const struct pel_http_call *call, int status)
 {
     const Pelagos__View *view = pel_http_need_view(call);
     if (view) {
-        pel_http_json(call->answer, status,
-                      pel_json_from_message(&view->base, false));
+        pel_http_copy(call->answer, status, &view->base);
     }
 }
 
@@ -125,8 +126,7 @@ void pel_http_put_view(const struct pel_http_call *call)
     ProtobufCMessage *message = NULL;
     bool exists = find_view(call) != NULL;
     enum pel_err err =
-        pel_json_to_message(call->request->body, call->request->body_size,
-                            &pelagos__view__descriptor, &message, &fault);
+        pel_http_body(call, &pelagos__view__descriptor, &message, &fault);
     if (err == PEL_OK) {
         err = put(call, (Pelagos__View *)message, exists, &fault);
         protobuf_c_message_free_unpacked(message, NULL);

@@ -77,6 +77,27 @@ pel_http_frame_parameter(Pelagos__FrameRequest *frame,
 /* By the ending of a file's name. */
 Pelagos__FrameFormat pel_http_frame_format(const char *file);
 
+/* http_body.c: the body as a message. */
+PEL_CHECK enum pel_err pel_http_body(const struct pel_http_call *call,
+                                     const ProtobufCMessageDescriptor *type,
+                                     ProtobufCMessage **out,
+                                     struct pel_fault *fault);
+/* `{}` where there is none. */
+PEL_CHECK enum pel_err
+pel_http_body_if_any(const struct pel_http_call *call,
+                     const ProtobufCMessageDescriptor *type,
+                     ProtobufCMessage **out, struct pel_fault *fault);
+PEL_CHECK enum pel_err pel_http_merge_body(const struct pel_http_call *call,
+                                           Pelagos__Patch **out,
+                                           struct pel_fault *fault);
+
+/* http_body.c: answers with a message, taken over or copied, as JSON, which is
+ * written later. */
+void pel_http_message(struct pel_http_answer *answer, int status,
+                      ProtobufCMessage *message, bool pretty);
+void pel_http_copy(struct pel_http_answer *answer, int status,
+                   const ProtobufCMessage *message);
+
 /* Answers with JSON text; takes ownership of it. */
 void pel_http_json(struct pel_http_answer *answer, int status, char *owned);
 

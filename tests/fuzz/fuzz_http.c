@@ -168,6 +168,7 @@ static void serve(char *text, const char *end)
         }
         pel_http_answer_finish(&answer);
         pel_http_route(&context, &request, &answer);
+        pel_http_write(&answer);
     }
     fuzz_demand(answer.kind != PEL_HTTP_WHOLE ||
                 (answer.status >= 200 && answer.status <= 599));

@@ -1,0 +1,143 @@
+/* What two threads do for the HTTP server: reading bodies, writing answers.
+ * What an edit brings and what answers it has a thread of its own, so that
+ * nobody's large questions keep edits waiting. */
+#include <string.h>
+
+#include "net/http_client.h"
+
+/* A body to be read, or an answer to be written. */
+struct later {
+    struct pel_task task;
+    struct waiter *waiter;
+    struct pel_http_server *server;
+    GString *body; /* NULL: an answer */
+    const char *name;
+    bool edits;
+    struct pel_http_read read;
+    struct pel_http_answer answer;
+};
+
+static struct pel_worker *worker_of(const struct client *client)
+{
+    return client->edits ? client->server->edit_worker
+                         : client->server->question_worker;
+}
+
+static void begin(struct client *client, struct later *later)
+{
+    later->waiter = pel_http_wait_begin(client);
+    pel_http_suspend(client);
+    pel_worker_push(worker_of(client), &later->task);
+}
+
+/* --- bodies --------------------------------------------------------------- */
+
+static void read_body(struct pel_task *task)
+{
+    struct later *later = (struct later *)task;
+    pel_http_read(later->name, later->body->str, later->body->len,
+                  &later->read);
+}
+
+static void body_read(struct pel_task *task, bool dropped)
+{
+    struct later *later = (struct later *)task;
+    struct client *client = pel_http_wait_end(later->waiter);
+    later->server->reading -= later->edits;
+    if (client && !dropped) {
+        client->parsed = &later->read;
+        pel_http_take(client);
+        client->parsed = NULL;
+        pel_http_resume(client);
+    }
+    pel_http_read_finish(&later->read);
+    g_string_free(later->body, TRUE);
+    g_free(later);
+}
+
+bool pel_http_read_later(struct client *client,
+                         const struct pel_http_request *request)
+{
+    struct pel_http_server *server = client->server;
+    const char *name = pel_http_about(request, &client->edits);
+    if (client->parsed || !client->body || !name) {
+        return false;
+    }
+    /* No edit overtakes one that is being read. */
+    bool behind = client->edits && server->reading > 0;
+    if (!behind && client->body->len <= PEL_HTTP_AT_ONCE) {
+        return false;
+    }
+    struct later *later = g_new0(struct later, 1);
+    later->task.work = read_body;
+    later->task.done = body_read;
+    later->server = server;
+    later->body = client->body;
+    later->name = name;
+    later->edits = client->edits;
+    server->reading += client->edits;
+    client->body = NULL;
+    begin(client, later);
+    return true;
+}
+
+/* --- answers -------------------------------------------------------------- */
+
+static void write_answer(struct pel_task *task)
+{
+    pel_http_write(&((struct later *)task)->answer);
+}
+
+static void answer_written(struct pel_task *task, bool dropped)
+{
+    struct later *later = (struct later *)task;
+    struct client *client = pel_http_wait_end(later->waiter);
+    if (client && !dropped) {
+        pel_http_send(client, &later->answer);
+        pel_http_resume(client);
+    }
+    pel_http_answer_finish(&later->answer);
+    g_free(later);
+}
+
+static void forget(struct pel_task *task)
+{
+    pel_http_answer_finish(&((struct later *)task)->answer);
+}
+
+static void forgotten(struct pel_task *task, bool dropped)
+{
+    if (dropped) {
+        forget(task);
+    }
+    g_free(task);
+}
+
+void pel_http_forget_later(struct client *client,
+                           struct pel_http_answer *answer)
+{
+    struct later *later = g_new0(struct later, 1);
+    later->task.work = forget;
+    later->task.done = forgotten;
+    later->answer = *answer;
+    *answer = (struct pel_http_answer){ .kind = PEL_HTTP_WHOLE };
+    pel_worker_push(worker_of(client), &later->task);
+}
+
+bool pel_http_write_later(struct client *client, struct pel_http_answer *answer)
+{
+    if (!answer->message) {
+        return false;
+    }
+    if (!pel_http_is_long(answer)) {
+        pel_http_write(answer);
+        return false;
+    }
+    struct later *later = g_new0(struct later, 1);
+    later->task.work = write_answer;
+    later->task.done = answer_written;
+    later->answer = *answer;
+    *answer = (struct pel_http_answer){ .kind = PEL_HTTP_WHOLE };
+    begin(client, later);
+    return true;
+}
