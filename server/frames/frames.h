@@ -197,6 +197,24 @@ void pel_frames_resync(struct pel_subscription *subscription, bool urgent);
 /* Asks for a key frame among the others; `urgent` as above. */
 void pel_frames_want_key(struct pel_subscription *subscription, bool urgent);
 
+/* How an answer is written by the threads that compute it, slice by slice: of
+ * 10,000 points that takes a hundred times what one thread may that others wait
+ * for. Any thread. */
+#define PEL_SURFACE_HEAD 96
+struct pel_surface_form {
+    /* The samples from `first` on; malloc()ed. */
+    char *(*slice)(const struct pel_surface_sample *samples, size_t first,
+                   size_t count, size_t *size);
+    /* Writes what comes before the slices, which are of `size` bytes together;
+     * how long it is. */
+    size_t (*head)(const struct pel_surface_form *form, double time_s,
+                   size_t count, size_t size, char out[PEL_SURFACE_HEAD]);
+    /* What follows them; NULL: nothing. */
+    const char *(*tail)(size_t count);
+    bool has_id; /* of the reply, for head() */
+    uint64_t id;
+};
+
 /* A query of the surface. */
 struct pel_surface_wish {
     const struct pel_vec2 *points_m; /* copied */
@@ -207,18 +225,26 @@ struct pel_surface_wish {
     bool moving;       /* accelerations too */
     bool foam;         /* its share too */
     const void *asker; /* whose next query may be predicted; NULL: none */
+    const struct pel_surface_form *form; /* copied; NULL: samples alone */
     uint64_t frame; /* 0: the present state; else the surface, and where no time
                      * is given the moment, of this frame: one of the last 64
                      * begun that show one of the last two seas */
 };
 
+/* Borrowed for the call. */
+struct pel_surface_answer {
+    double time_s;
+    const struct pel_surface_sample *samples;
+    size_t count;
+    char *text; /* by the wish's form; malloc()ed: who keeps it sets NULL */
+    size_t size;
+};
+
 /* The surface off the control thread. At most 16 queries wait: BUSY;
- * NOT_FOUND: the frame. */
+ * NOT_FOUND: the frame. The answer is NULL with an error. */
 typedef void (*pel_surface_callback)(void *user, enum pel_err err,
                                      const struct pel_fault *fault,
-                                     double time_s,
-                                     const struct pel_surface_sample *samples,
-                                     size_t count);
+                                     struct pel_surface_answer *answer);
 PEL_CHECK enum pel_err pel_frames_surface(struct pel_frames *frames,
                                           const struct pel_surface_wish *wish,
                                           pel_surface_callback done, void *user,

@@ -408,17 +408,17 @@ struct surface {
 };
 
 static void take_surface(void *user, enum pel_err err,
-                         const struct pel_fault *fault, double time_s,
-                         const struct pel_surface_sample *samples, size_t count)
+                         const struct pel_fault *fault,
+                         struct pel_surface_answer *answer)
 {
     struct surface *surface = user;
     (void)fault;
     surface->calls++;
     surface->err = err;
-    surface->time_s = time_s;
-    surface->count = count;
-    for (size_t i = 0; i < count && i < 4; i++) {
-        surface->samples[i] = samples[i];
+    surface->time_s = answer ? answer->time_s : 0;
+    surface->count = answer ? answer->count : 0;
+    for (size_t i = 0; i < surface->count && i < 4; i++) {
+        surface->samples[i] = answer->samples[i];
     }
 }
 
@@ -464,6 +464,42 @@ static void surface_queries_are_answered(void **state)
     }
     assert_int_equal(ask_surface(points, 0, false, 0, &surface), PEL_ERR_BUSY);
     run_until(&surface.calls, 17);
+}
+
+static void note_order(void *user, enum pel_err err,
+                       const struct pel_fault *fault,
+                       struct pel_surface_answer *answer)
+{
+    static int done;
+    int *place = user;
+    (void)fault;
+    (void)answer;
+    assert_int_equal(err, PEL_OK);
+    *place = ++done;
+}
+
+/* Queries take turns: of eleven that come at once the one of one point is not
+ * the last because it came last. */
+static void few_points_do_not_wait_for_many(void **state)
+{
+    enum { MANY = 10, POINTS = 10000 };
+    static struct pel_vec2 points[POINTS];
+    int place[MANY + 1] = { 0 };
+    struct pel_surface_wish wish = { .points_m = points, .count = POINTS };
+    (void)state;
+    for (size_t i = 0; i < POINTS; i++) {
+        points[i] = (struct pel_vec2){ (double)i, 0.5 * (double)i };
+    }
+    for (int i = 0; i <= MANY; i++) {
+        wish.count = i < MANY ? POINTS : 1;
+        assert_int_equal(
+            pel_frames_surface(frames, &wish, note_order, &place[i], NULL),
+            PEL_OK);
+    }
+    for (int i = 0; i <= MANY; i++) {
+        run_until(&place[i], 1);
+    }
+    assert_true(place[MANY] <= MANY);
 }
 
 /* --- numbers
@@ -557,6 +593,7 @@ int main(void)
         cmocka_unit_test(a_picture_has_a_set_s_memory),
         cmocka_unit_test(a_view_deleted_before_its_frame),
         cmocka_unit_test(surface_queries_are_answered),
+        cmocka_unit_test(few_points_do_not_wait_for_many),
         cmocka_unit_test(windows_know_their_ranks),
         cmocka_unit_test(destroying_answers_what_waits),
         cmocka_unit_test(a_device_that_is_not_there_is_a_fault),

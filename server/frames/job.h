@@ -162,6 +162,11 @@ void pel_job_settle(struct pel_job *job);
 /* Gives back the rest, which encoders read. */
 void pel_job_end(struct pel_job *job);
 
+struct pel_surface_text {
+    char *text;
+    size_t size;
+};
+
 struct pel_surface_query {
     struct pel_mail mail;
     const struct pel_snapshot *snapshot;
@@ -171,6 +176,10 @@ struct pel_surface_query {
     size_t count, begun, answered; /* the last two: pel_surface_pool' */
     struct pel_vec2 *points;
     struct pel_surface_sample *samples;
+    struct pel_surface_form form;   /* slice NULL: none */
+    struct pel_surface_text *parts; /* of its slices */
+    char *text;                     /* of all, malloc()ed */
+    size_t size;
     pel_surface_callback done;
     void *user;
 };

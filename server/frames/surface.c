@@ -5,10 +5,20 @@
 #include "base/clock.h"
 #include "frames/core.h"
 
+static size_t parts_of(size_t count)
+{
+    return (count + PEL_SURFACE_SLICE - 1) / PEL_SURFACE_SLICE;
+}
+
 static void query_free(struct pel_surface_query *query)
 {
     if (query) {
         pel_snapshot_unref(query->snapshot);
+        for (size_t i = 0; query->parts && i < parts_of(query->count); i++) {
+            free(query->parts[i].text);
+        }
+        free(query->parts);
+        free(query->text);
         free(query->points);
         free(query->samples);
         free(query);
@@ -155,8 +165,11 @@ enum pel_err pel_frames_surface(struct pel_frames *frames,
         if (query) {
             query->points = calloc(wish->count + 1, sizeof *query->points);
             query->samples = calloc(wish->count + 1, sizeof *query->samples);
+            query->parts =
+                calloc(parts_of(wish->count) + 1, sizeof *query->parts);
+            query->count = wish->count;
         }
-        err = query && query->points && query->samples
+        err = query && query->points && query->samples && query->parts
                   ? find_moment(frames, wish, query, fault)
                   : pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
@@ -169,7 +182,9 @@ enum pel_err pel_frames_surface(struct pel_frames *frames,
         memcpy(query->points, wish->points_m,
                wish->count * sizeof *wish->points_m);
     }
-    query->count = wish->count;
+    if (wish->form) {
+        query->form = *wish->form;
+    }
     query->time_s = wish->has_time ? wish->time_s : query->time_s;
     query->moving = wish->moving;
     query->foam = wish->foam;
@@ -196,8 +211,15 @@ void pel_surface_answer(struct pel_frames *frames,
                         struct pel_surface_query *query)
 {
     forget(frames, query);
-    query->done(query->user, PEL_OK, NULL, query->time_s, query->samples,
-                query->count);
+    struct pel_surface_answer answer = {
+        .time_s = query->time_s,
+        .samples = query->samples,
+        .count = query->count,
+        .text = query->text,
+        .size = query->size,
+    };
+    query->done(query->user, PEL_OK, NULL, &answer);
+    query->text = answer.text;
     query_free(query);
 }
 
@@ -209,8 +231,7 @@ void pel_surface_finish_all(struct pel_frames *frames)
     while (frames->surface_count > 0) {
         struct pel_surface_query *query =
             frames->surfaces[--frames->surface_count];
-        query->done(query->user, PEL_ERR_CONFLICT, &fault, query->time_s, NULL,
-                    0);
+        query->done(query->user, PEL_ERR_CONFLICT, &fault, NULL);
         query_free(query);
     }
 }

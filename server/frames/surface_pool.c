@@ -7,11 +7,10 @@
 
 #include "base/clock.h"
 #include "base/lock.h"
+#include "base/reserve.h"
 #include "base/urgent.h"
 #include "ocean/fields.h"
 
-/* Points of a slice: a tenth of a millisecond of work. */
-#define SLICE 128
 #define STOP_NS 1000000000LL
 #define KEPT_NS                                                                \
     5000000000LL /* what was computed for queries, after the last              \
@@ -31,6 +30,7 @@ struct pel_surface_pool {
     pthread_cond_t asked, over;
     struct pel_queue queue;
     struct prefetched prefetched[PEL_MOST_PREPARED]; /* newest first */
+    bool fresh;        /* the next slice is a first one, if there is any */
     atomic_bool hurry; /* somebody asks, or all ends */
     bool stop;
     int count, ended;
@@ -38,20 +38,37 @@ struct pel_surface_pool {
     struct pel_mailbox *box;
 };
 
-/* The next slice of the first query; has the lock. A query leaves the queue
- * with its last slice. */
+/* Takes the first in the queue off it, or the first that has not begun; NULL:
+ * nobody asks. */
+static struct pel_surface_query *next_query(struct pel_surface_pool *self)
+{
+    size_t before = 0;
+    const struct pel_mail *mail = self->queue.first;
+    self->fresh = !self->fresh;
+    while (self->fresh && mail &&
+           ((const struct pel_surface_query *)mail)->begun > 0) {
+        mail = mail->next;
+        before++;
+    }
+    for (; mail && before > 0; before--) { /* at most 16 are there */
+        pel_queue_push(&self->queue, pel_queue_pop(&self->queue));
+    }
+    return (struct pel_surface_query *)pel_queue_pop(&self->queue);
+}
+
+/* The next slice; has the lock. A query goes to the queue's end with each, and
+ * leaves it with its last. */
 static struct pel_surface_query *take(struct pel_surface_pool *self,
                                       size_t *first, size_t *count)
 {
-    struct pel_surface_query *query =
-        (struct pel_surface_query *)self->queue.first;
+    struct pel_surface_query *query = next_query(self);
     if (query) {
         size_t left = query->count - query->begun;
         *first = query->begun;
-        *count = left < SLICE ? left : SLICE;
+        *count = left < PEL_SURFACE_SLICE ? left : PEL_SURFACE_SLICE;
         query->begun += *count;
-        if (query->begun == query->count) {
-            pel_queue_pop(&self->queue);
+        if (query->begun < query->count) {
+            pel_queue_push(&self->queue, &query->mail);
         }
     }
     atomic_store(&self->hurry, self->queue.first != NULL);
@@ -150,6 +167,46 @@ void pel_surface_pool_prepare(struct pel_surface_pool *self,
 /* --- answering --------------------------------------------------------------
  */
 
+static void answer(struct pel_surface_query *query, size_t first, size_t count)
+{
+    struct pel_surface_sample *samples = query->samples + first;
+    pel_snapshot_surface(query->snapshot, query->points + first, count,
+                         query->time_s, query->moving, samples);
+    if (query->foam) {
+        pel_snapshot_foam(query->snapshot, count, query->time_s, samples);
+    }
+    if (query->form.slice && count > 0) {
+        struct pel_surface_text *part =
+            &query->parts[first / PEL_SURFACE_SLICE];
+        part->text = query->form.slice(samples, first, count, &part->size);
+    }
+}
+
+/* The slices behind each other, between head and tail. */
+static void join(struct pel_surface_query *query)
+{
+    const struct pel_surface_form *form = &query->form;
+    size_t parts = (query->count + PEL_SURFACE_SLICE - 1) / PEL_SURFACE_SLICE;
+    size_t size = 0;
+    char head[PEL_SURFACE_HEAD];
+    for (size_t i = 0; i < parts; i++) {
+        size += query->parts[i].size;
+    }
+    const char *tail = form->tail ? form->tail(query->count) : "";
+    size_t before = form->head(form, query->time_s, query->count, size, head);
+    query->text = pel_sure_malloc(before + size + strlen(tail) + 1);
+    memcpy(query->text, head, before);
+    char *to = query->text + before;
+    for (size_t i = 0; i < parts; i++) {
+        memcpy(to, query->parts[i].text, query->parts[i].size);
+        to += query->parts[i].size;
+        free(query->parts[i].text);
+        query->parts[i].text = NULL;
+    }
+    memcpy(to, tail, strlen(tail) + 1);
+    query->size = before + size + strlen(tail);
+}
+
 static void *run(void *argument)
 {
     struct worker worker = { .all = argument };
@@ -164,18 +221,15 @@ static void *run(void *argument)
             continue;
         }
         pthread_mutex_unlock(&self->lock);
-        pel_snapshot_surface(query->snapshot, query->points + first, count,
-                             query->time_s, query->moving,
-                             query->samples + first);
-        if (query->foam) {
-            pel_snapshot_foam(query->snapshot, count, query->time_s,
-                              query->samples + first);
-        }
+        answer(query, first, count);
         pel_urgent_account(&worker.urgent);
         pthread_mutex_lock(&self->lock);
         query->answered += count;
         if (query->answered == query->count) {
             pthread_mutex_unlock(&self->lock);
+            if (query->form.slice) {
+                join(query);
+            }
             pel_mailbox_post(self->box, &query->mail);
             pthread_mutex_lock(&self->lock);
         }
@@ -222,7 +276,7 @@ void pel_surface_pool_push(struct pel_surface_pool *self,
     pthread_mutex_lock(&self->lock);
     pel_queue_push(&self->queue, &query->mail);
     atomic_store(&self->hurry, true);
-    bool slices = query->count > SLICE;
+    bool slices = query->count > PEL_SURFACE_SLICE;
     pthread_mutex_unlock(&self->lock);
     if (slices) {
         pthread_cond_broadcast(&self->asked);

@@ -14,7 +14,12 @@ PEL_CHECK enum pel_err pel_surface_pool_create(int cores,
                                                struct pel_mailbox *box,
                                                struct pel_surface_pool **out);
 
-/* Any thread; queries are begun in this order. */
+/* Points that a thread answers before it looks what else there is: a tenth of a
+ * millisecond, or one where they are written as JSON. */
+#define PEL_SURFACE_SLICE 128
+
+/* Any thread. Queries take turns, a slice each; every other slice is the first
+ * of one that waits for its first, so that few points do not wait for many. */
 void pel_surface_pool_push(struct pel_surface_pool *self,
                            struct pel_surface_query *query);
 

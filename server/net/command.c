@@ -209,8 +209,10 @@ static enum pel_err take_points(const Pelagos__SurfaceQuery *query,
 
 enum pel_err pel_command_surface(struct pel_frames *frames,
                                  const Pelagos__SurfaceQuery *query,
-                                 const void *asker, pel_surface_callback done,
-                                 void *user, struct pel_fault *fault)
+                                 const void *asker,
+                                 const struct pel_surface_form *form,
+                                 pel_surface_callback done, void *user,
+                                 struct pel_fault *fault)
 {
     if (query->n_points > MAX_POINTS) {
         return refuse(fault, PEL_ERR_OUT_OF_RANGE, "points", NULL,
@@ -237,6 +239,7 @@ enum pel_err pel_command_surface(struct pel_frames *frames,
         .moving = query->has_acceleration && query->acceleration,
         .foam = query->has_foam && query->foam,
         .asker = asker,
+        .form = form,
         .frame = query->has_frame ? query->frame : 0,
     };
     err = pel_frames_surface(frames, &wish, done, user, fault);

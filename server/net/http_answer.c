@@ -9,6 +9,7 @@
 #include "json.h"
 #include "net/command.h"
 #include "net/http_view.h"
+#include "net/surfacewire.h"
 #include "scene/almanac.h"
 #include "scene/catalogue.h"
 #include "scene/led.h"
@@ -242,15 +243,23 @@ static void wait_answer(struct waiter *waiter, enum pel_err err,
 }
 
 static void on_surface(void *user, enum pel_err err,
-                       const struct pel_fault *fault, double time_s,
-                       const struct pel_surface_sample *samples, size_t count)
+                       const struct pel_fault *fault,
+                       struct pel_surface_answer *answer)
 {
     if (err != PEL_OK) {
         wait_answer(user, err, fault, NULL);
-    } else {
-        Pelagos__Surface *surface = pel_surface_message(time_s, samples, count);
-        wait_answer(user, PEL_OK, NULL, &surface->base);
-        pel_surface_message_free(surface);
+        return;
+    }
+    struct client *client = pel_http_wait_end(user);
+    if (client) {
+        struct pel_http_answer out = { .status = 200,
+                                       .type = "application/json",
+                                       .owned = answer->text,
+                                       .body = answer->text,
+                                       .size = answer->size };
+        answer->text = NULL;
+        pel_http_send(client, &out);
+        pel_http_resume(client);
     }
 }
 
@@ -261,7 +270,7 @@ enum MHD_Result pel_http_send_surface(struct client *client,
     struct waiter *waiter = pel_http_wait_begin(client);
     enum pel_err err =
         pel_command_surface(client->server->frames, answer->surface, NULL,
-                            on_surface, waiter, &fault);
+                            &pel_surface_json, on_surface, waiter, &fault);
     pel_http_forget_later(client, answer);
     return wait_on(client, waiter, err, &fault);
 }

@@ -14,6 +14,7 @@
 
 #include "base/metrics.h"
 #include "frames/job.h"
+#include "json.h"
 #include "net/command.h"
 #include "net/frame_reply.h"
 #include "net/http_request.h"
@@ -39,7 +40,32 @@ static struct pel_surface_sample some_sample(unsigned i)
     };
 }
 
-/* Against protobuf-c: how the wire is written is theirs to say. */
+/* In slices, as the pool's threads write it; free(). */
+static char *written(const struct pel_surface_form *form, double time_s,
+                     const struct pel_surface_sample *samples, size_t count,
+                     size_t *size)
+{
+    char *out = malloc(PEL_SURFACE_HEAD + 1000 * (count + 1));
+    char *slices = malloc(1000 * (count + 1));
+    size_t all = 0, one = 0;
+    for (size_t i = 0; i < count; i += 7) {
+        size_t n = count - i < 7 ? count - i : 7;
+        char *slice = form->slice(samples + i, i, n, &one);
+        memcpy(slices + all, slice, one);
+        all += one;
+        free(slice);
+    }
+    size_t head = form->head(form, time_s, count, all, out);
+    const char *tail = form->tail ? form->tail(count) : "";
+    memcpy(out + head, slices, all);
+    memcpy(out + head + all, tail, strlen(tail) + 1);
+    *size = head + all + strlen(tail);
+    free(slices);
+    return out;
+}
+
+/* Against protobuf-c, and the converter to JSON: what they write is theirs to
+ * say. */
 static void test_surface_reply(void **state)
 {
     (void)state;
@@ -56,13 +82,20 @@ static void test_surface_reply(void **state)
         reply.result_case = PELAGOS__REPLY__RESULT_SURFACE;
         reply.surface = pel_surface_message(1e9 / 3, samples, count);
         uint8_t *want = pel_wire_pack(&reply.base, &want_size);
-        uint8_t *got = pel_surface_reply(reply.has_id, reply.id, 1e9 / 3,
-                                         samples, count, &size);
+        const struct pel_surface_form form =
+            pel_surface_reply(reply.has_id, reply.id);
+        char *got = written(&form, 1e9 / 3, samples, count, &size);
         assert_int_equal(size, want_size);
         assert_memory_equal(got, want, size);
+        char *json = pel_json_from_message(&reply.surface->base, false);
+        char *text = written(&pel_surface_json, 1e9 / 3, samples, count, &size);
+        assert_string_equal(text, json);
+        assert_int_equal(size, strlen(json));
         pel_surface_message_free(reply.surface);
         free(want);
         free(got);
+        free(json);
+        free(text);
     }
 }
 

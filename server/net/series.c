@@ -160,11 +160,13 @@ static void on_spectrum(void *user, enum pel_err err,
 }
 
 static void on_surface(void *user, enum pel_err err,
-                       const struct pel_fault *fault, double time_s,
-                       const struct pel_surface_sample *samples, size_t count)
+                       const struct pel_fault *fault,
+                       struct pel_surface_answer *answer)
 {
     Pelagos__Surface *surface =
-        err ? NULL : pel_surface_message(time_s, samples, count);
+        answer ? pel_surface_message(answer->time_s, answer->samples,
+                                     answer->count)
+               : NULL;
     take(user, err, fault, surface ? &surface->base : NULL);
     if (surface) {
         pel_surface_message_free(surface);
@@ -224,7 +226,7 @@ static enum pel_err ask_one(struct pel_series_job *job, struct pel_fault *fault)
     default:
         err =
             pel_command_surface(all->frames, (Pelagos__SurfaceQuery *)question,
-                                NULL, on_surface, asked, fault);
+                                NULL, NULL, on_surface, asked, fault);
         break;
     }
     protobuf_c_message_free_unpacked(question, NULL);

@@ -184,17 +184,15 @@ static void on_frame(void *user, enum pel_err err,
 }
 
 static void on_surface(void *user, enum pel_err err,
-                       const struct pel_fault *fault, double time_s,
-                       const struct pel_surface_sample *samples, size_t count)
+                       const struct pel_fault *fault,
+                       struct pel_surface_answer *answer)
 {
     struct job *job = user;
     struct session *self = job->session;
     if (job_end(job)) {
         if (err == PEL_OK) {
-            size_t size = 0;
-            uint8_t *data = pel_surface_reply(job->has_id, job->id, time_s,
-                                              samples, count, &size);
-            send_bytes(self, data, size);
+            send_bytes(self, (uint8_t *)answer->text, answer->size);
+            answer->text = NULL;
             self->nudge = true;
         } else {
             pel_session_send_fault(self, job->has_id, job->id, fault);
@@ -253,6 +251,8 @@ static enum pel_err ask(struct job *job, const Pelagos__Request *request,
                         struct pel_fault *fault)
 {
     struct pel_frames *frames = frames_of(job);
+    const struct pel_surface_form form =
+        pel_surface_reply(job->has_id, job->id);
     enum pel_err err;
     if (!frames) {
         return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
@@ -274,7 +274,7 @@ static enum pel_err ask(struct job *job, const Pelagos__Request *request,
                                   fault);
     default:
         return pel_command_surface(frames, request->surface, job->session,
-                                   on_surface, job, fault);
+                                   &form, on_surface, job, fault);
     }
 }
 

@@ -1,10 +1,15 @@
 #include "net/surfacewire.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include <glib.h>
+
 #include "base/reserve.h"
+#include "json.h"
+#include "net/command.h"
 #include "pelagos.pb-c.h"
 #include "wire.h"
 
@@ -85,29 +90,85 @@ static size_t put_varint(uint8_t *to, uint64_t value)
     return n;
 }
 
-uint8_t *pel_surface_reply(bool has_id, uint64_t id, double time_s,
-                           const struct pel_surface_sample *samples,
-                           size_t count, size_t *size)
+static char *reply_slice(const struct pel_surface_sample *samples, size_t first,
+                         size_t count, size_t *size)
 {
-    enum { REPLY_SURFACE = PELAGOS__REPLY__RESULT_SURFACE << 3 | 2 };
-    uint8_t head[1 + MOST_VARINT + 1 + MOST_VARINT];
-    size_t surface = DOUBLE, before = 0;
+    (void)first;
+    *size = 0;
     for (size_t i = 0; i < count; i++) {
-        surface += 2 + point_size(&samples[i]);
+        *size += 2 + point_size(&samples[i]);
     }
-    if (has_id) {
-        head[before++] = REPLY_ID;
-        before += put_varint(head + before, id);
-    }
-    head[before++] = REPLY_SURFACE;
-    before += put_varint(head + before, surface);
-    uint8_t *out = pel_sure_malloc(PEL_WIRE_MAX_PREFIX + before + surface);
-    uint8_t *to = out + pel_wire_prefix(before + surface, out);
-    memcpy(to, head, before);
-    to = put_double(to + before, SURFACE_TIME, time_s);
+    uint8_t *out = pel_sure_malloc(*size + 1), *to = out;
     for (size_t i = 0; i < count; i++) {
         to = put_point(to, &samples[i]);
     }
-    *size = (size_t)(to - out);
-    return out;
+    return (char *)out;
 }
+
+static size_t reply_head(const struct pel_surface_form *form, double time_s,
+                         size_t count, size_t size, char out[PEL_SURFACE_HEAD])
+{
+    enum { REPLY_SURFACE = PELAGOS__REPLY__RESULT_SURFACE << 3 | 2 };
+    uint8_t head[1 + MOST_VARINT + 1 + MOST_VARINT];
+    size_t surface = DOUBLE + size, before = 0;
+    (void)count;
+    if (form->has_id) {
+        head[before++] = REPLY_ID;
+        before += put_varint(head + before, form->id);
+    }
+    head[before++] = REPLY_SURFACE;
+    before += put_varint(head + before, surface);
+    uint8_t *to = (uint8_t *)out;
+    to += pel_wire_prefix(before + surface, to);
+    memcpy(to, head, before);
+    to = put_double(to + before, SURFACE_TIME, time_s);
+    return (size_t)(to - (uint8_t *)out);
+}
+_Static_assert(PEL_WIRE_MAX_PREFIX + 2 * (1 + MOST_VARINT) + DOUBLE <=
+                   PEL_SURFACE_HEAD,
+               "the head has room");
+
+struct pel_surface_form pel_surface_reply(bool has_id, uint64_t id)
+{
+    return (struct pel_surface_form){
+        .slice = reply_slice, .head = reply_head, .has_id = has_id, .id = id
+    };
+}
+
+/* --- JSON ----------------------------------------------------------------- */
+
+static char *json_slice(const struct pel_surface_sample *samples, size_t first,
+                        size_t count, size_t *size)
+{
+    Pelagos__Surface *surface = pel_surface_message(0, samples, count);
+    GString *out = g_string_new(NULL);
+    for (size_t i = 0; i < count; i++) {
+        char *point = pel_json_from_message(&surface->points[i]->base, false);
+        g_string_append(out, first + i > 0 ? "," : "");
+        g_string_append(out, point);
+        free(point);
+    }
+    pel_surface_message_free(surface);
+    *size = out->len;
+    return g_string_free(out, FALSE);
+}
+
+static size_t json_head(const struct pel_surface_form *form, double time_s,
+                        size_t count, size_t size, char out[PEL_SURFACE_HEAD])
+{
+    char time[32];
+    (void)form;
+    (void)size;
+    pel_json_number(time_s, time);
+    return (size_t)snprintf(out, PEL_SURFACE_HEAD, "{\"time\":%s%s", time,
+                            count > 0 ? ",\"points\":[" : "");
+}
+
+static const char *json_tail(size_t count)
+{
+    return count > 0 ? "]}" : "}";
+}
+
+const struct pel_surface_form pel_surface_json = { .slice = json_slice,
+                                                   .head = json_head,
+                                                   .tail = json_tail };

@@ -1,14 +1,15 @@
-/* Answers of surface queries as bytes: the same as protobuf-c packs, ten
- * times as fast. Any thread. */
+/* Answers of surface queries as bytes, written by the threads that compute
+ * them: as protobuf-c packs, ten times as fast, and as the converter of proto/
+ * writes JSON. */
 #pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "ocean/sea.h"
+#include "frames/frames.h"
 
-/* The delimited bytes of a Reply with a Surface; malloc()ed. At most 10,000
- * samples. */
-uint8_t *pel_surface_reply(bool has_id, uint64_t id, double time_s,
-                           const struct pel_surface_sample *samples,
-                           size_t count, size_t *size);
+/* The delimited bytes of a Reply with a Surface. */
+struct pel_surface_form pel_surface_reply(bool has_id, uint64_t id);
+
+/* A Surface as JSON. */
+extern const struct pel_surface_form pel_surface_json;
