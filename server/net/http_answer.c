@@ -488,7 +488,7 @@ enum MHD_Result pel_http_send_patched(struct client *client,
     waiter->if_unchanged = answer->if_unchanged;
     bool waits =
         pel_scene_submit(client->server->context.scene, &wish, on_edit, waiter);
-    pel_http_answer_finish(answer);
+    pel_http_forget_later(client, answer);
     if (waits) {
         pel_http_suspend(client);
     }

@@ -116,6 +116,10 @@ static void forgotten(struct pel_task *task, bool dropped)
 void pel_http_forget_later(struct client *client,
                            struct pel_http_answer *answer)
 {
+    if (!client->parsed) { /* it is short */
+        pel_http_answer_finish(answer);
+        return;
+    }
     struct later *later = g_new0(struct later, 1);
     later->task.work = forget;
     later->task.done = forgotten;
@@ -126,9 +130,6 @@ void pel_http_forget_later(struct client *client,
 
 bool pel_http_write_later(struct client *client, struct pel_http_answer *answer)
 {
-    if (!answer->message) {
-        return false;
-    }
     if (!pel_http_is_long(answer)) {
         pel_http_write(answer);
         return false;

@@ -125,6 +125,8 @@ void pel_http_answer_finish(struct pel_http_answer *answer)
     free(answer->owned);
     answer->owned = NULL;
     answer->body = NULL;
+    free(answer->packed);
+    answer->packed = NULL;
     if (answer->message) {
         protobuf_c_message_free_unpacked(answer->message, NULL);
         answer->message = NULL;

@@ -70,6 +70,9 @@ struct pel_http_answer {
     const char *type; /* Content-Type, static; NULL: no body */
     /* Yet to be written as the body (pel_http_write), ours; or NULL */
     ProtobufCMessage *message;
+    uint8_t *packed; /* or this, ours, of `packed_type`; or NULL */
+    size_t packed_size;
+    const ProtobufCMessageDescriptor *packed_type;
     bool pretty;
     char path[200]; /* for `write` */
     /* Any thread; NULL: the whole as JSON. May refuse. */

@@ -264,13 +264,15 @@ static void drift(const Pelagos__State *state, Pelagos__Entity *e,
     }
 }
 
-/* Brings a pose to time_s as the snapshot of `state` would, and stamps it. That
- * is the state before the edit: what the edit removes still moved it. */
-static void reckon(const Pelagos__State *state, Pelagos__Entity *e,
-                   double time_s, double most_s)
+/* Place, heading and course; `with`: what the patch sets then, or NULL. */
+static void reckon_place(const Pelagos__Entity *with, Pelagos__Entity *e,
+                         double seconds)
 {
-    double seconds = pel_reckon_seconds(e->pose_time, time_s, most_s);
     double east, north, lat, lon;
+    if (with && with->has_latitude && with->has_longitude &&
+        with->has_heading && with->has_course) {
+        return; /* all that is reckoned here */
+    }
     pel_reckon_move(e->speed, e->course * PEL_DEG, e->turn_rate * PEL_DEG,
                     seconds, &east, &north);
     if (east != 0 || north != 0) {
@@ -288,6 +290,15 @@ static void reckon(const Pelagos__State *state, Pelagos__Entity *e,
         e->heading = wrapped(e->heading + e->turn_rate * seconds);
         e->course = wrapped(e->course + e->turn_rate * seconds);
     }
+}
+
+/* Brings a pose to time_s as the snapshot of `state` would, and stamps it. That
+ * is the state before the edit: what the edit removes still moved it. */
+static void reckon_to(const Pelagos__State *state, Pelagos__Entity *e,
+                      const Pelagos__Entity *with, double time_s, double most_s)
+{
+    double seconds = pel_reckon_seconds(e->pose_time, time_s, most_s);
+    reckon_place(with, e, seconds);
     if (!pel_helm_on(state, e)) {
         drift(state, e, time_s - e->pose_time);
     }
@@ -297,6 +308,12 @@ static void reckon(const Pelagos__State *state, Pelagos__Entity *e,
     e->roll = remainder(e->roll + e->roll_rate * seconds, 360);
     e->has_pose_time = true;
     e->pose_time = time_s;
+}
+
+static void reckon(const Pelagos__State *state, Pelagos__Entity *e,
+                   double time_s, double most_s)
+{
+    reckon_to(state, e, NULL, time_s, most_s);
 }
 
 static bool touches_pose(const Pelagos__Entity *e)
@@ -335,7 +352,7 @@ static void reckon_patched(const Pelagos__State *from, Pelagos__State *state,
         double at = with->has_pose_time ? with->pose_time : time_s;
         if (entity && (touches_pose(with) || touches_drift(with)) &&
             isfinite(at)) {
-            reckon(from, entity, at, most_s);
+            reckon_to(from, entity, with, at, most_s);
         }
     }
 }
@@ -403,6 +420,15 @@ static enum pel_err bounded(const Pelagos__Patch *patch,
         return too_many("exercise.events", fault);
     }
     return PEL_OK;
+}
+
+static bool all_have_ids(const Pelagos__State *patch)
+{
+    size_t i = 0;
+    while (i < patch->n_entities && patch->entities[i]->has_id) {
+        i++;
+    }
+    return i == patch->n_entities;
 }
 
 /* Gives elements of the patch that only have a name the id of the entity of
@@ -584,9 +610,11 @@ enum pel_err pel_state_apply(const Pelagos__State *from,
         return err;
     }
     Pelagos__State *state = (Pelagos__State *)pel_message_copy(&from->base);
+    /* A copy where names are to be resolved, which then stand in it as ids. */
+    bool named = patch->state && !all_have_ids(patch->state);
     Pelagos__State *brought =
-        patch->state ? (Pelagos__State *)pel_message_copy(&patch->state->base)
-                     : NULL;
+        named ? (Pelagos__State *)pel_message_copy(&patch->state->base)
+              : patch->state;
     double time_s = time_after(from, patch);
     double most_s = from->clock->reckoning; /* the patch may remove the clock */
     if (time_s != from->clock->time && isfinite(time_s)) {
@@ -609,7 +637,7 @@ enum pel_err pel_state_apply(const Pelagos__State *from,
             follow(from, state, brought, most_s);
         }
     }
-    if (brought) {
+    if (named) {
         pelagos__state__free_unpacked(brought, NULL);
     }
     if (err) {

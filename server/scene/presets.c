@@ -1,5 +1,6 @@
 #include "scene/presets.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -100,22 +101,79 @@ enum pel_err pel_preset_patch(const Pelagos__Preset *preset,
     return refuse(preset, err, why.message, fault);
 }
 
+/* Texts that were found good, the newest last: a patch is tested as it is read,
+ * by a thread, and once more or twice as it is applied. */
+#define KNOWN 64
+static struct {
+    pthread_mutex_t lock; /* protects the rest */
+    char *text[KNOWN];
+    guint hash[KNOWN];
+    unsigned next;
+} known = { .lock = PTHREAD_MUTEX_INITIALIZER };
+
+static bool is_known(const char *text, guint hash)
+{
+    bool found = false;
+    pthread_mutex_lock(&known.lock);
+    for (unsigned i = 0; i < KNOWN && !found; i++) {
+        found = known.text[i] && known.hash[i] == hash &&
+                strcmp(known.text[i], text) == 0;
+    }
+    pthread_mutex_unlock(&known.lock);
+    return found;
+}
+
+static void make_known(const char *text, guint hash)
+{
+    char *copy = g_strdup(text);
+    pthread_mutex_lock(&known.lock);
+    unsigned place = known.next++ % KNOWN;
+    char *before = known.text[place];
+    known.text[place] = copy;
+    known.hash[place] = hash;
+    pthread_mutex_unlock(&known.lock);
+    g_free(before);
+}
+
+static enum pel_err check_patch(const Pelagos__Preset *preset,
+                                struct pel_fault *fault)
+{
+    Pelagos__Patch *made;
+    guint hash = g_str_hash(preset->patch);
+    if (is_known(preset->patch, hash)) {
+        return PEL_OK;
+    }
+    enum pel_err err = pel_preset_patch(preset, &made, fault);
+    if (!err) {
+        pelagos__patch__free_unpacked(made, NULL);
+        make_known(preset->patch, hash);
+    }
+    return err;
+}
+
 enum pel_err pel_presets_brought(const Pelagos__State *patch,
                                  struct pel_fault *fault)
 {
     enum pel_err err = PEL_OK;
     for (size_t i = 0; !err && i < patch->n_presets; i++) {
         const Pelagos__Preset *preset = patch->presets[i];
-        Pelagos__Patch *made;
         if (!preset->name) {
             err = pel_fault_refuse(PEL_ERR_INVALID, "presets", NULL,
                                    "needs a name for each element", fault);
         } else if (preset->patch) {
-            err = pel_preset_patch(preset, &made, fault);
-            if (!err) {
-                pelagos__patch__free_unpacked(made, NULL);
-            }
+            err = check_patch(preset, fault);
         }
     }
     return err;
+}
+
+void pel_presets_learn(const Pelagos__State *patch)
+{
+    for (size_t i = 0; i < patch->n_presets && i < KNOWN; i++) {
+        struct pel_fault ignored;
+        if (patch->presets[i]->patch &&
+            check_patch(patch->presets[i], &ignored)) {
+            return; /* it is said when the patch is applied */
+        }
+    }
 }

@@ -20,3 +20,6 @@ PEL_CHECK enum pel_err pel_preset_patch(const Pelagos__Preset *preset,
 /* The same of all those that a patch brings. */
 PEL_CHECK enum pel_err pel_presets_brought(const Pelagos__State *patch,
                                            struct pel_fault *fault);
+
+/* Tests them ahead, so that the same is quick afterwards. Any thread. */
+void pel_presets_learn(const Pelagos__State *patch);

@@ -171,16 +171,31 @@ static double block_of(const struct pel_model *m)
     return box > 0 && volume > 0 ? pel_clamp(volume / box, 0.3, 0.85) : 0.6;
 }
 
-static struct pel_wake_bow bow_of(const struct pel_model *m)
+/* What makes waves of a model. */
+struct shape {
+    uint64_t serial; /* 0: none */
+    double block;
+    struct pel_wake_bow bow;
+};
+
+/* Of the models that this thread asked for last: rays at a hull take some tens
+ * of microseconds, for each edit of any ship. */
+static const struct shape *shape_of(const struct pel_model *m)
 {
-    struct pel_model_waterline line;
-    struct pel_wake_bow bow = { 0 };
-    if (pel_model_waterline(m, &line)) {
-        bow.stem_m = line.stem_m;
-        bow.long_m = line.stem_m - line.stern_m;
-        memcpy(bow.half_m, line.half_m, sizeof bow.half_m);
+    enum { KEPT = 16 };
+    static _Thread_local struct shape kept[KEPT];
+    struct shape *shape = &kept[m->serial % KEPT];
+    if (shape->serial != m->serial) {
+        struct pel_model_waterline line;
+        *shape = (struct shape){ .serial = m->serial, .block = block_of(m) };
+        if (pel_model_waterline(m, &line)) {
+            struct pel_wake_bow *bow = &shape->bow;
+            bow->stem_m = line.stem_m;
+            bow->long_m = line.stem_m - line.stern_m;
+            memcpy(bow->half_m, line.half_m, sizeof bow->half_m);
+        }
     }
-    return bow;
+    return shape;
 }
 
 void pel_wake_source_read(const Pelagos__State *state,
@@ -191,9 +206,10 @@ void pel_wake_source_read(const Pelagos__State *state,
     const struct pel_model *m = s->entities[index].model;
     const struct pel_sailing *sailing = pel_snapshot_ship(s, index);
     to->id = e->id;
+    const struct shape *shape = shape_of(m);
     to->hull =
-        (struct pel_hull){ m->length_m, m->beam_m, m->draught_m, block_of(m) };
-    to->bow = bow_of(m);
+        (struct pel_hull){ m->length_m, m->beam_m, m->draught_m, shape->block };
+    to->bow = shape->bow;
     to->pose = s->entities[index];
     to->reckoning_s = s->reckoning_s;
     to->knots = sailing ? knots_of(&sailing->ship) : NULL;
