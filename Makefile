@@ -739,7 +739,7 @@ FUZZ_SECONDS ?= 60
 # What a target needs beside the server: sources and libraries of readers.
 FUZZ_WITH_fuzz_coast := server/continents/reader/coastlines.c
 FUZZ_LIBS_fuzz_coast = $(SPECTRUM_LIBS)
-FUZZ_WITH_fuzz_spectrum := server/ocean/reader/netcdfform.c server/ocean/reader/shelf.c
+FUZZ_WITH_fuzz_spectrum := $(addprefix server/ocean/reader/,netcdfform.c shelf.c buoy.c datawell.c spotter.c)
 FUZZ_LIBS_fuzz_spectrum = $(SPECTRUM_LIBS)
 FUZZ_WITH_fuzz_forecast := server/weather/reader/names.c $(addprefix server/seabed/reader/,gdal.c hdf5.c)
 FUZZ_LIBS_fuzz_forecast = $(READER_LIBS) $(SPECTRUM_LIBS)
