@@ -8,23 +8,8 @@
 #include <stdint.h>
 #include <sys/socket.h>
 
+#include "base/allow.h"
 #include "base/err.h"
-
-#define PEL_MAX_ALLOWED 32
-
-struct pel_allow {
-    size_t count;
-    struct {
-        uint8_t address[16]; /* IPv4 as ::ffff:a.b.c.d */
-        int bits;
-    } rules[PEL_MAX_ALLOWED];
-};
-
-/* Reads `10.0.0.7,192.168.1.0/24,fd00::/8`; NULL or "": loopback only.
- * INVALID names the entry. */
-PEL_CHECK enum pel_err pel_allow_parse(const char *text, struct pel_allow *out,
-                                       struct pel_fault *fault);
-bool pel_allow_has(const struct pel_allow *allow, const struct sockaddr *peer);
 
 /* Reads "127.0.0.1:1502", "[::1]:1502", "localhost:0"; false: none of them. */
 bool pel_endpoint_read(const char *text, struct sockaddr_storage *out,
