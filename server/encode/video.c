@@ -25,7 +25,7 @@
 static const struct kind {
     const char *name;
     GstVideoFormat format;
-    unsigned rate_unit; /* bit/s of its `bitrate` */
+    unsigned rate_unit; /* bit/s of its rate */
     const char *properties;
 } kinds[] = {
     { "nvh264enc", GST_VIDEO_FORMAT_NV12, 1000,
@@ -43,7 +43,17 @@ static const struct kind {
     { "openh264enc", GST_VIDEO_FORMAT_I420, 1,
       "complexity=low rate-control=bitrate gop-size=1000000000 num-slices=1 "
       "slice-mode=n-slices multi-thread=1 usage-type=camera" },
+    { "vp8enc", GST_VIDEO_FORMAT_I420, 1,
+      "deadline=1 cpu-used=8 end-usage=cbr lag-in-frames=0 threads=1 "
+      "keyframe-mode=disabled min-quantizer=4 buffer-size=1000 "
+      "buffer-initial-size=500 buffer-optimal-size=600 "
+      "max-intra-bitrate=400" },
 };
+
+static bool is_vp8(const struct kind *kind)
+{
+    return g_str_has_prefix(kind->name, "vp8");
+}
 
 struct pel_video {
     struct pel_video_config config;
@@ -126,7 +136,8 @@ static void set_properties(GstElement *element, const char *text)
 static void set_rate(struct pel_video *video, unsigned kbps)
 {
     double rate = MIN(kbps * video->slow, (double)PEL_VIDEO_MAX_KBPS);
-    g_object_set(video->encoder, "bitrate",
+    g_object_set(video->encoder,
+                 is_vp8(video->kind) ? "target-bitrate" : "bitrate",
                  (guint)(rate * 1000.0 / video->kind->rate_unit), NULL);
     video->kbps = kbps;
     video->set_slow = video->slow;
@@ -174,9 +185,10 @@ static bool make_elements(struct pel_video *video)
 
 static bool link_elements(struct pel_video *video)
 {
-    GstCaps *stream = gst_caps_new_simple(
-        "video/x-h264", "stream-format", G_TYPE_STRING, "byte-stream",
-        "alignment", G_TYPE_STRING, "au", NULL);
+    GstCaps *stream = gst_caps_from_string(
+        is_vp8(video->kind)
+            ? "video/x-vp8"
+            : "video/x-h264,stream-format=byte-stream,alignment=au");
     bool linked =
         gst_element_link(video->source, video->encoder) &&
         gst_element_link_filtered(video->encoder, video->sink, stream);
@@ -353,8 +365,9 @@ static enum pel_err take_unit(struct pel_video *video, GstSample *sample,
         return PEL_ERR_INTERNAL;
     }
     *key = !GST_BUFFER_FLAG_IS_SET(buffer, GST_BUFFER_FLAG_DELTA_UNIT);
-    size_t own = *key ? headers_of(map.data, map.size) : 0;
-    size_t add = *key && own == 0 ? video->header_size : 0;
+    size_t own =
+        *key && !is_vp8(video->kind) ? headers_of(map.data, map.size) : 0;
+    size_t add = *key && own == 0 ? video->header_size : 0; /* VP8: none */
     enum pel_err err = PEL_OK;
     if (own > 0) {
         uint8_t *headers = realloc(video->headers, own);
@@ -405,10 +418,9 @@ enum pel_err pel_video_check_encoder(const char *name, struct pel_fault *fault)
 {
     char known[160] = "auto";
     bool found = strcmp(name, "auto") == 0;
-    for (size_t i = 0; i < G_N_ELEMENTS(kinds); i++) {
+    for (size_t i = 0; !is_vp8(&kinds[i]); i++) {
         found = found || strcmp(name, kinds[i].name) == 0;
-        g_strlcat(known, i + 1 < G_N_ELEMENTS(kinds) ? ", " : " or ",
-                  sizeof known);
+        g_strlcat(known, is_vp8(&kinds[i + 1]) ? " or " : ", ", sizeof known);
         g_strlcat(known, kinds[i].name, sizeof known);
     }
     return found ? PEL_OK
@@ -421,6 +433,9 @@ enum pel_err pel_video_check_encoder(const char *name, struct pel_fault *fault)
 static bool wanted(const struct pel_video *video, const struct kind *kind)
 {
     const char *name = video->config.encoder;
+    if (video->config.vp8 || is_vp8(kind)) {
+        return video->config.vp8 && is_vp8(kind);
+    }
     return !name || strcmp(name, "auto") == 0 || strcmp(name, kind->name) == 0;
 }
 
@@ -439,6 +454,11 @@ static const struct kind *next_kind(const struct pel_video *video)
     return NULL;
 }
 
+static const char *codec_of(const struct pel_video *video)
+{
+    return video->config.vp8 ? "VP8" : "H.264";
+}
+
 /* Begins a sequence with the first encoder that gives a picture. */
 static enum pel_err begin(struct pel_video *video,
                           const struct pel_video_picture *p, unsigned kbps,
@@ -453,10 +473,13 @@ static enum pel_err begin(struct pel_video *video,
         video->kind = next_kind(video);
         if (!video->kind) {
             return pel_fault_set(
-                fault, PEL_ERR_NOT_FOUND,
-                "no H.264 encoder: GStreamer has none of x264enc "
-                "(gstreamer1.0-plugins-ugly), openh264enc or hardware's "
-                "(gstreamer1.0-plugins-bad) that works as wanted");
+                fault, PEL_ERR_NOT_FOUND, "%s",
+                video->config.vp8
+                    ? "no VP8 encoder: GStreamer has no vp8enc "
+                      "(gstreamer1.0-plugins-good) that works as wanted"
+                    : "no H.264 encoder: GStreamer has none of x264enc "
+                      "(gstreamer1.0-plugins-ugly), openh264enc or hardware's "
+                      "(gstreamer1.0-plugins-bad) that works as wanted");
         }
         video->first_ns = p->stamp_ns;
         video->last_ns = -(int64_t)(1e9 / video->config.fps);
@@ -469,15 +492,15 @@ static enum pel_err begin(struct pel_video *video,
             break;
         }
         pel_log_limited(&limit, PEL_LOG_WARNING, "ENC-002",
-                        "H.264 by %s does not work here: %s", video->kind->name,
-                        fault->message);
+                        "%s by %s does not work here: %s", codec_of(video),
+                        video->kind->name, fault->message);
         video->refused |= 1u << (video->kind - kinds);
         tear_down(video);
         err = PEL_OK;
     }
     if (err == PEL_OK && video->kind != before) {
-        pel_info("ENC-001", "H.264 of %ux%u at %u kbit/s by %s", video->width,
-                 video->height, kbps, video->kind->name);
+        pel_info("ENC-001", "%s of %ux%u at %u kbit/s by %s", codec_of(video),
+                 video->width, video->height, kbps, video->kind->name);
     }
     return err;
 }
@@ -501,7 +524,8 @@ enum pel_err pel_video_encode(struct pel_video *video,
         full_height > PEL_VIDEO_MAX_SIZE || kbps < PEL_VIDEO_MIN_KBPS ||
         kbps > PEL_VIDEO_MAX_KBPS) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "a size or rate that H.264 is not made for");
+                             "a size or rate that %s is not made for",
+                             codec_of(video));
     }
     if (!video->pipeline || width != video->width || height != video->height) {
         video->width = width;

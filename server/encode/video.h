@@ -1,6 +1,7 @@
-/* H.264 encoders: pictures of one stream in, access units out. They are
- * GStreamer's, chosen at run time: hardware first, then x264, then openh264.
- * No GL, no sockets. An encoder is used by one thread at a time. */
+/* Encoders of H.264 and VP8: pictures of one stream in, access units out. They
+ * are GStreamer's, chosen at run time: of H.264 hardware's first, then x264,
+ * then openh264; of VP8 libvpx. No GL, no sockets. An encoder is used by one
+ * thread at a time. */
 #pragma once
 
 #include <stdatomic.h>
@@ -30,8 +31,9 @@ struct pel_video_picture {
 };
 
 struct pel_video_config {
-    const char *encoder; /* GStreamer's name; NULL or "auto": the best there is;
-                          * lives as long as the encoder */
+    bool vp8;            /* instead of H.264 */
+    const char *encoder; /* of H.264, GStreamer's name; NULL or "auto": the best
+                          * there is; lives as long as the encoder */
     double fps;          /* nominal, for the rate control */
     const atomic_bool *cancel; /* NULL, or true: give up with CONFLICT */
 };
@@ -46,10 +48,11 @@ struct pel_video *pel_video_create(const struct pel_video_config *config);
 void pel_video_destroy(struct pel_video *video); /* NULL allowed */
 
 /* Encodes one picture at `kbps`; a new size begins a new sequence. *out gets an
- * Annex B access unit, with SPS and PPS where *key says key frame. Blocks until
- * it is there. NOT_FOUND: no encoder works here (*fault says which packages
- * have one); INVALID: size or rate outside their range; CONFLICT: cancelled;
- * INTERNAL: it failed and starts anew with the next picture; NO_MEMORY. */
+ * Annex B access unit, with SPS and PPS where *key says key frame, or a frame
+ * of VP8. Blocks until it is there. NOT_FOUND: no encoder works here (*fault
+ * says which packages have one); INVALID: size or rate outside their range;
+ * CONFLICT: cancelled; INTERNAL: it failed and starts anew with the next
+ * picture; NO_MEMORY. */
 PEL_CHECK enum pel_err pel_video_encode(struct pel_video *video,
                                         const struct pel_video_picture *picture,
                                         unsigned kbps, struct pel_bytes *out,

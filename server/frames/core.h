@@ -69,7 +69,7 @@ struct pel_stream {
     struct pel_profile profile;
     unsigned subscribers;
     unsigned paused;         /* of them */
-    struct pel_track *track; /* of H.264 */
+    struct pel_track *track; /* of video */
     int64_t key_due_ns;      /* a key frame is wanted from then on; 0: none */
     int64_t key_ns;          /* when one was last wanted of the encoder */
 };

@@ -60,7 +60,7 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
     frame->height = part->height;
     frame->drawn_width = picture->width;
     frame->drawn_height = picture->height;
-    frame->codec = output->track ? PEL_CODEC_H264 : PEL_CODEC_PICTURE;
+    frame->codec = output->track ? output->track->codec : PEL_CODEC_PICTURE;
     frame->format = output->format;
     frame->requested_ns = job->requested_ns;
     frame->present_ns = job->present_ns;

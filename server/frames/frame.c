@@ -51,6 +51,7 @@ struct pel_track *pel_track_create(const struct pel_video_config *config)
         return NULL;
     }
     atomic_init(&track->references, 1);
+    track->codec = config->vp8 ? PEL_CODEC_VP8 : PEL_CODEC_H264;
     track->video = pel_video_create(config);
     if (!track->video) {
         free(track);

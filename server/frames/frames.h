@@ -61,6 +61,7 @@ const char *pel_frames_device(const struct pel_frames *frames);
 enum pel_codec {
     PEL_CODEC_PICTURE, /* as its format says */
     PEL_CODEC_H264,    /* an Annex B access unit of a stream */
+    PEL_CODEC_VP8,     /* a frame of a stream */
 };
 
 /* An encoded picture, immutable and reference counted (any thread). */
@@ -162,11 +163,11 @@ struct pel_profile {
     enum pel_codec codec;   /* PICTURE: JPEG */
     uint32_t width, height; /* 16..4096 px, 0: the view's */
     int quality;            /* of JPEG, 1..100 */
-    unsigned kbps;          /* of H.264, 100..100000 kbit/s, 0: by the size */
+    unsigned kbps;          /* of video, 100..100000 kbit/s, 0: by the size */
 };
 
 /* As pel_frames_subscribe, in any profile: encoded once for each (view,
- * profile) whatever the number of subscribers. An H.264 subscription begins
+ * profile) whatever the number of subscribers. One of video begins
  * with a key frame, which is asked for at once (five a second at most), and
  * then gets every frame in order. Its callback gets NOT_FOUND too, once and
  * for good, when there is no encoder. OUT_OF_RANGE for a bad profile. */

@@ -36,12 +36,13 @@ struct pel_mail {
 
 struct pel_job;
 
-/* An H.264 encoder of a stream: its pictures go through it in order, one at a
+/* An encoder of a stream's video: its pictures go through it in order, one at a
  * time. References: the stream's and each output's. */
 struct pel_track {
     struct pel_mail mail; /* of its end */
     atomic_int references;
     bool busy; /* with an encoder thread; the pool's lock protects it */
+    enum pel_codec codec;
     struct pel_video *video;
 };
 /* NULL: no memory. */

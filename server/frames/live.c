@@ -20,8 +20,8 @@ static bool same_profile(const struct pel_profile *a,
 {
     return a->codec == b->codec && a->width == b->width &&
            a->height == b->height &&
-           (a->codec == PEL_CODEC_H264 ? a->kbps == b->kbps
-                                       : a->quality == b->quality);
+           (a->codec != PEL_CODEC_PICTURE ? a->kbps == b->kbps
+                                          : a->quality == b->quality);
 }
 
 static struct pel_stream *find_stream(struct pel_frames *frames,
@@ -52,8 +52,9 @@ static struct pel_stream *make_stream(struct pel_frames *frames,
     }
     *stream = (struct pel_stream){ .profile = *profile };
     snprintf(stream->view, sizeof stream->view, "%s", view);
-    if (profile->codec == PEL_CODEC_H264) {
+    if (profile->codec != PEL_CODEC_PICTURE) {
         struct pel_video_config config = {
+            .vp8 = profile->codec == PEL_CODEC_VP8,
             .encoder = frames->video_encoder,
             .fps = frames->max_fps,
             .cancel = pel_encoder_pool_cancel(frames->pool),
@@ -133,7 +134,7 @@ static enum pel_err check_profile(struct pel_frames *frames,
         err = check_number(frames, "height", p->height, true,
                            PEL_VIDEO_MIN_SIZE, PEL_VIDEO_MAX_SIZE, fault);
     }
-    if (err == PEL_OK && p->codec == PEL_CODEC_H264) {
+    if (err == PEL_OK && p->codec != PEL_CODEC_PICTURE) {
         err = check_number(frames, "bitrate", p->kbps, true, PEL_VIDEO_MIN_KBPS,
                            PEL_VIDEO_MAX_KBPS, fault);
     } else if (err == PEL_OK) {
@@ -215,7 +216,7 @@ static void attach(struct pel_subscription *subscription,
                    struct pel_stream *stream)
 {
     struct pel_frames *frames = subscription->frames;
-    bool video = stream->profile.codec == PEL_CODEC_H264;
+    bool video = stream->profile.codec != PEL_CODEC_PICTURE;
     subscription->stream = stream;
     subscription->flow = video ? PEL_FLOW_AWAITS_KEY : PEL_FLOW_RUNS;
     stream->subscribers++;
@@ -357,7 +358,7 @@ void pel_frames_resync(struct pel_subscription *subscription, bool urgent)
         frames->running_count++;
     }
     subscription->flow = PEL_FLOW_RUNS;
-    if (stream->profile.codec == PEL_CODEC_H264) {
+    if (stream->profile.codec != PEL_CODEC_PICTURE) {
         subscription->flow = PEL_FLOW_AWAITS_KEY;
         want_key(stream, urgent ? JOIN_KEY_NS : RESYNC_KEY_NS);
     }
@@ -437,7 +438,7 @@ bool pel_live_output(struct pel_frames *frames, struct pel_stream *stream,
     if (stream->paused == stream->subscribers) {
         return false;
     }
-    if (stream->profile.codec != PEL_CODEC_H264) {
+    if (stream->profile.codec == PEL_CODEC_PICTURE) {
         return true;
     }
     bool due = stream->key_due_ns && pel_now_ns() >= stream->key_due_ns;

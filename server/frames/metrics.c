@@ -95,8 +95,8 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
     gauge(page, "pelagos_render_programs",
           "Programs that are loaded in the drivers of all devices.",
           pel_renderer_programs());
-    counter(page, "pelagos_video_frames_total", "H.264 pictures encoded.",
-            s.video_frames);
+    counter(page, "pelagos_video_frames_total",
+            "Pictures of H.264 and VP8 encoded.", s.video_frames);
     counter(page, "pelagos_video_keys_total", "H.264 key frames encoded.",
             s.video_keys);
     counter(page, "pelagos_video_bytes_total", "Bytes of encoded H.264.",

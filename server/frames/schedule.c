@@ -786,7 +786,7 @@ void pel_schedule_output(struct pel_frames *frames, struct pel_output *output)
     if (output->frame) {
         frames->stats.pictures_encoded++;
         frames->stats.encoded_bytes += output->frame->size;
-        bool video = output->frame->codec == PEL_CODEC_H264;
+        bool video = output->frame->codec != PEL_CODEC_PICTURE;
         if (output->stream) {
             pel_present_feed(&frames->present,
                              (double)(output->frame->encoded_ns -
