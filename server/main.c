@@ -280,6 +280,10 @@ static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
         d->relays = pel_options_split(d->options.whep_servers);
         options.whep_servers = (const char *const *)d->relays;
     }
+    if (*d->options.whep_peers &&
+        pel_allow_parse(d->options.whep_peers, &options.whep_peers, fault)) {
+        return fault->code;
+    }
     return pel_net_create(&options, d->scene, d->frames, &d->net, fault);
 }
 

@@ -31,6 +31,7 @@ struct pel_options {
     char http_hosts[PEL_OPTION_TEXT], allow_origin[PEL_OPTION_TEXT];
     char trust_proxy[PEL_OPTION_TEXT];
     char whep_ports[PEL_OPTION_TEXT], whep_servers[PEL_OPTION_TEXT];
+    char whep_peers[PEL_OPTION_TEXT];
     char rtsp[PEL_OPTION_TEXT];
     char token_file[PEL_OPTION_TEXT];
     char tls_cert[PEL_OPTION_TEXT], tls_key[PEL_OPTION_TEXT];

@@ -47,6 +47,12 @@ const struct pel_option pel_option_table[] = {
       .help = "Servers of STUN and TURN for WebRTC, separated by commas: "
               "stun://HOST:PORT, turn://USER:PASSWORD@HOST:PORT. Absent: none, "
               "media go from the addresses of --http." },
+    { "whep-peers", "network", PEL_OPTION_LIST, "NETWORKS", "",
+      .element = pel_options_network, .offset = FIELD(whep_peers),
+      .help = "Addresses and networks (10.0.0.0/8), separated by commas, that "
+              "offers of WebRTC may name as a player's beside the address that "
+              "asks. With --whep-servers they are sent checks of ICE; absent: "
+              "the one that asks alone is." },
     { "http-hosts", "network", PEL_OPTION_LIST, "NAMES", "",
       .element = pel_options_host, .offset = FIELD(http_hosts),
       .help = "Names, separated by commas, that a proxy may give as Host." },

@@ -105,6 +105,60 @@ describe("WebRTC", () => {
       "Motion-JPEG: the address says way=whep; WebRTC: HTTP 404");
   });
 
+  test("says the server's reason", async () => {
+    const why = "no UDP port is free for media; see pelagosd --whep-ports";
+    await open(`${daemon.url}/?way=whep`, { init: () => {
+      const plain = window.fetch;
+      window.fetch = (at, ...more) => String(at).endsWith("/whep")
+        ? Promise.resolve(Response.json({ status: 400, detail:
+          "no UDP port is free for media; see pelagosd --whep-ports" },
+        { status: 400 }))
+        : plain(at, ...more);
+    } });
+    await until("the way", async () =>
+      await page.locator(".tile").getAttribute("data-way") === "mjpeg");
+    assert.equal(await text(".why"),
+      `Motion-JPEG: the address says way=whep; WebRTC: ${why}`);
+  });
+
+  // Sound first, and all by one transport: what its line refuses ends the rest.
+  for (const lines of [["audio", "video"], ["data", "video", "video"]]) {
+    test(`of ${lines.join(", ")}, by one transport, in VP8`, async () => {
+      await open(`${daemon.url}/healthz`, { wait: false });
+      await page.evaluate(async (lines) => {
+        const video = document.createElement("video");
+        document.body.append(video);
+        video.muted = true;
+        const peer = new RTCPeerConnection({ bundlePolicy: "max-bundle" });
+        for (const kind of lines) {
+          if (kind === "data") {
+            peer.createDataChannel("d");
+            continue;
+          }
+          const transceiver = peer.addTransceiver(kind,
+            { direction: "recvonly" });
+          if (kind === "video") {
+            transceiver.setCodecPreferences(RTCRtpReceiver.getCapabilities(
+              "video").codecs.filter((c) => /VP8|rtx/.test(c.mimeType)));
+          }
+        }
+        peer.ontrack = ({ track }) => {
+          if (track.kind === "video" && !video.srcObject) {
+            video.srcObject = new MediaStream([track]);
+            video.play();
+          }
+        };
+        await peer.setLocalDescription();
+        const answer = await fetch("/v1/views/bridge/whep", { method: "POST",
+          body: peer.localDescription.sdp,
+          headers: { "Content-Type": "application/sdp" } });
+        await peer.setRemoteDescription({ type: "answer",
+          sdp: await answer.text() });
+      }, lines);
+      await plays();
+    });
+  }
+
   test("without the page", async () => {
     await open(`${daemon.url}/healthz`, { wait: false });
     await page.evaluate(async () => {

@@ -14,19 +14,22 @@ gi.require_version("GstWebRTC", "1.0")
 from gi.repository import Gst, GstSdp, GstWebRTC
 
 Gst.init(None)
-CAPS = ("application/x-rtp,media=video,encoding-name=H264,payload=97,"
-        "clock-rate=90000,packetization-mode=(string)1,"
-        "profile-level-id=(string)42e01f")
-DECODE = ("queue ! rtph264depay ! h264parse ! openh264dec ! videoconvert ! "
-          "video/x-raw,format=GRAY8 ! appsink name=out max-buffers=4 "
-          "drop=true sync=false")
+CAPS = {codec: f"application/x-rtp,media=video,encoding-name={codec},payload=97,"
+               f"clock-rate=90000{more}" for codec, more in (
+                   ("H264", ",packetization-mode=(string)1,"
+                            "profile-level-id=(string)42e01f"), ("VP8", ""))}
+DECODE = {"H264": "rtph264depay ! h264parse ! openh264dec",
+          "VP8": "rtpvp8depay ! vp8dec"}
+SHOW = ("queue ! {} ! videoconvert ! video/x-raw,format=GRAY8 ! appsink name=out "
+        "max-buffers=4 drop=true sync=false")
 
 
 class Player:
     """Makes an offer; `answered(sdp)` connects; frames() takes pictures."""
 
-    def __init__(self, asks_again=False, address="127.0.0.1"):
+    def __init__(self, asks_again=False, address="127.0.0.1", codec="H264"):
         """asks_again: for lost packets (NACK, RTX); address: its own."""
+        self.codec = codec
         self.pipeline = Gst.Pipeline()
         self.web = Gst.ElementFactory.make("webrtcbin")
         self.web.set_property("bundle-policy", "max-bundle")
@@ -41,7 +44,7 @@ class Player:
         self.web.connect("pad-added", self.add_pad)
         self.web.emit("add-transceiver",
                       GstWebRTC.WebRTCRTPTransceiverDirection.RECVONLY,
-                      Gst.Caps.from_string(CAPS))
+                      Gst.Caps.from_string(CAPS[codec]))
         if asks_again:
             self.web.emit("get-transceiver", 0).set_property("do-nack", True)
         self.pipeline.set_state(Gst.State.PLAYING)
@@ -80,7 +83,8 @@ class Player:
     def add_pad(self, _, pad):
         if pad.get_direction() != Gst.PadDirection.SRC:
             return
-        decode = Gst.parse_bin_from_description(DECODE, True)
+        decode = Gst.parse_bin_from_description(
+            SHOW.format(DECODE[self.codec]), True)
         self.out = decode.get_by_name("out")
         self.pipeline.add(decode)
         decode.sync_state_with_parent()

@@ -48,8 +48,8 @@ class Case(unittest.TestCase):
     def ask(self, offer, path=VIEW, headers=None):
         return self.daemon.request("POST", path, offer, headers or TYPE)
 
-    def play(self, path=VIEW):
-        player = Player()
+    def play(self, path=VIEW, codec="H264"):
+        player = Player(codec=codec)
         self.addCleanup(player.close)
         answer = self.ask(player.offer(), path)
         self.assertEqual(answer.status, 201, answer)
@@ -150,6 +150,18 @@ class Players(Case):
             self.assertEqual(self.daemon.request("DELETE", place).status, 204)
         until("no encoder is left", lambda: self.pixels() == 0)
 
+    def test_vp8(self):
+        """For a player without H.264, by an encoder of its own."""
+        both = [self.play(), self.play(VIEW, codec="VP8"),
+                self.play(VIEW, codec="VP8")]
+        for player, _ in both:
+            self.assertEqual(player.frame()[:2], SIZE)
+        self.assertEqual(self.pixels(), 2 * SIZE[0] * SIZE[1])
+        self.assertIn("VP8 of 320x180", self.daemon.log())
+        for _, place in both:
+            self.daemon.request("DELETE", place)
+        until("no encoder is left", lambda: self.pixels() == 0)
+
     def pixels(self):
         return self.daemon.metrics()["pelagos_frames_live_pixels"]
 
@@ -191,15 +203,16 @@ class Strangers(Case):
             self.daemon.metrics()['pelagos_malformed_total{input="whep"}'], 8)
 
     def test_what_is_missing_is_named(self):
-        for gone, path in (("H264", "m=video"), ("a=recvonly", "m=video"),
+        for gone, path in (("a=recvonly", "m=video"),
                            ("a=ice-ufrag:Ab12", "a=ice-ufrag"),
                            ("a=ice-pwd:abcdefghij", "a=ice-pwd"),
                            ("a=fingerprint:sha-256 AB", "a=fingerprint")):
             put = "a=sendonly" if gone == "a=recvonly" else "a=other:"
             said = self.refused(OFFER.replace(gone, put), "INVALID", path)
             self.assertGreater(len(said["detail"]), 30)
-        self.refused(OFFER.replace("packetization-mode=1", "x=1"), "INVALID",
-                     "m=video")
+        for gone in ("packetization-mode=1", "H264"):
+            self.refused(OFFER.replace(gone, "x=1").replace("VP8", "VP9"),
+                         "INVALID", "m=video")
 
     def test_huge(self):
         self.assertEqual(self.ask(OFFER + "a=x\r\n" * 20000).status, 413)
@@ -210,10 +223,11 @@ class Strangers(Case):
         self.assertEqual((said["path"], said["minimum"]), ("width", 16))
 
     def test_lines_that_are_not_wanted(self):
-        """Audio and data are refused, in their places; nothing of a stranger's
-        line comes back but what a line may be."""
-        more = OFFER.replace(
-            "m=video", "m=audio 9 UDP/TLS/RTP/SAVPF 111\r\na=mid:a\r\nm=video"
+        """Of a group sound stays inactive, first or not, data are refused;
+        nothing of a stranger's line comes back but what a line may be."""
+        more = OFFER.replace("a=group:BUNDLE 0", "a=group:BUNDLE a 0 d").replace(
+            "m=video", "m=audio 9 UDP/TLS/RTP/SAVPF 111\r\na=mid:a\r\n"
+            "a=rtpmap:111 opus/48000/2\r\na=x:secret\r\nm=video"
         ) + "m=application 9 UDP/DTLS/SCTP webrtc-datachannel\r\na=mid:d\r\n"
         answer = self.ask(more)
         self.assertEqual(answer.status, 201, answer)
@@ -222,14 +236,21 @@ class Strangers(Case):
         self.assertEqual([m.split()[0] for m in media],
                          ["m=audio", "m=video", "m=application"])
         self.assertEqual([m.split()[1] == "0" for m in media],
-                         [True, False, True])
+                         [False, False, True])
+        self.assertIn("a=group:BUNDLE a 0", lines)
+        self.assertIn("a=rtpmap:111 opus/48000/2", lines)
+        self.assertNotIn("a=x:secret", lines)
         # The profile most like the encoder's, as it was offered.
         self.assertEqual(media[1].split()[3:], ["106"])
         self.assertTrue(any("profile-level-id=42e01f" in n for n in lines))
-        # Nothing but the address that the daemon listens on.
-        candidates = [n.split()[4] for n in lines
-                      if n.startswith("a=candidate")]
-        self.assertEqual(set(candidates), {"127.0.0.1"})
+        # Nothing but the address that the daemon listens on, told once, where
+        # the group's transport is.
+        sound = lines[lines.index(media[0]):lines.index(media[1])]
+        for part, there in ((sound, True), (lines[len(sound):], False)):
+            candidates = [n.split()[4] for n in part
+                          if n.startswith("a=candidate")]
+            self.assertTrue(not there or set(candidates) == {"127.0.0.1"})
+        self.assertEqual(sum(n.startswith("a=ice-pwd:") for n in lines), 2)
         self.daemon.request("DELETE", answer.headers["Location"])
 
     def test_many_who_never_connect(self):
@@ -297,6 +318,70 @@ class Ports(Case):
         late = self.ask(OFFER)  # there is one port
         self.assertEqual(late.status, 503, late)
         self.assertIn("--whep-ports", late.json()["detail"])
+
+
+class Checks(unittest.TestCase):
+    """Where there are servers of STUN, checks of ICE go out before the peer has
+    proved anything: to few addresses, and those of who asked."""
+
+    @staticmethod
+    def sockets(first):
+        """16 that nobody else sends to."""
+        out = []
+        for i in range(16):
+            s = socket.socket(type=socket.SOCK_DGRAM)
+            s.bind((f"127.0.{first}.{i + 1}", 0))
+            s.setblocking(False)
+            out.append(s)
+        return out
+
+    @staticmethod
+    def heard(sockets):
+        """Datagrams and bytes by socket, of those that heard any."""
+        out = {}
+        for i, s in enumerate(sockets):
+            with contextlib.suppress(BlockingIOError):
+                while True:
+                    size = len(s.recv(4096))
+                    count, whole = out.get(i, (0, 0))
+                    out[i] = (count + 1, whole + size)
+        return out
+
+    def test_few_are_sent(self):
+        server = socket.socket(type=socket.SOCK_DGRAM)
+        server.bind(("127.0.0.1", 0))
+        daemon = Daemon(
+            "--whep-servers", f"stun://127.0.0.1:{server.getsockname()[1]}",
+            "--trust-proxy", "127.0.0.1", "--whep-peers", "127.0.9.0/30")
+        self.addCleanup(daemon.stop)
+        self.addCleanup(server.close)
+        daemon.patch({"views": [{"name": "bridge", "entity": 1, "width": 64,
+                                 "height": 64}]})
+        sent = {}
+        for first, asker in ((7, None), (8, "198.51.100.7"),
+                             (9, "198.51.100.7")):
+            sent[first] = self.sockets(first)
+            for s in sent[first]:
+                self.addCleanup(s.close)
+            offer = OFFER + "".join(
+                f"a=candidate:{i} 1 UDP {900 - i} {{}} {{}} typ host\r\n".format(
+                    *s.getsockname()) for i, s in enumerate(sent[first]))
+            answer = daemon.request("POST", VIEW, offer, dict(
+                TYPE, **({"X-Forwarded-For": asker} if asker else {})))
+            self.assertEqual(answer.status, 201, answer)
+        size = len(offer)
+        until("they are over", lambda: daemon.metrics()[
+            "pelagos_whep_sessions"] == 0)
+        own, strange, named = (self.heard(sent[n]) for n in (7, 8, 9))
+        for heard in (own, named):
+            count, whole = (sum(h[i] for h in heard.values()) for i in (0, 1))
+            print(f"{len(heard)} of 16 addresses were sent {count} datagrams, "
+                  f"{whole} bytes, for an offer of {size} bytes")
+            self.assertTrue(heard)
+            self.assertLessEqual(len(heard), 3)
+            self.assertLessEqual(whole, 3 * size)
+        self.assertEqual(strange, {})
+        self.assertLessEqual(set(named), {0, 1})  # 127.0.9.1 and .2
 
 
 class Tokens(unittest.TestCase):

@@ -63,7 +63,7 @@ export class Controls {
     let made = null;
     const open = () => {
       if (details.open) {
-        made = made ?? make(details);
+        made ??= make(details);
       }
     };
     details.addEventListener("toggle", open);

@@ -2,7 +2,7 @@
 // where they decode none for a page by itself, on plain http. Without the
 // frames' numbers.
 
-import { headers } from "/api.js";
+import { headers, Problem } from "/api.js";
 import { Played } from "/played.js";
 
 const RETRY_MS = 1000;
@@ -12,6 +12,15 @@ const MAX_FAILED = 2; // in a row, of connections to a server that answers
 const PER_MS = 90; // of RTP's time stamps, which begin anew after 13 hours
 const ROUND = 2 ** 32;
 const KEPT = 31;
+
+// Why the server does not answer, in its words.
+function refusal(text, status) {
+  try {
+    return new Problem(JSON.parse(text), status);
+  } catch {
+    return new Problem({}, status); // what stands between has none
+  }
+}
 
 export const playsPeer = typeof RTCPeerConnection !== "undefined";
 
@@ -45,10 +54,9 @@ export class Peer extends Played {
       this.video.play().catch(() => {}); // once there is something to play
       this.watch();
     };
-    // Older browsers tell that of ICE alone.
-    peer.onconnectionstatechange = peer.oniceconnectionstatechange = () => {
-      if (peer === this.peer && ["failed", "closed", "disconnected"].includes(
-        peer.connectionState ?? peer.iceConnectionState)) {
+    peer.onconnectionstatechange = () => {
+      if (peer === this.peer && ["failed", "closed", "disconnected"]
+        .includes(peer.connectionState)) {
         this.lost("the connection broke");
       }
     };
@@ -73,8 +81,7 @@ export class Peer extends Played {
       headers: headers({ "Content-Type": "application/sdp" }) });
     const text = await answer.text();
     if (answer.status !== 201) {
-      throw Object.assign(new Error(`HTTP ${answer.status}`),
-        { status: answer.status });
+      throw refusal(text, answer.status);
     }
     const session = answer.headers.get("Location");
     if (peer !== this.peer) { // stopped meanwhile

@@ -316,6 +316,7 @@ enum pel_err pel_net_create(const struct pel_net_options *options,
             .port_min = options->whep_port_min,
             .port_max = options->whep_port_max,
             .servers = options->whep_servers,
+            .peers = options->whep_peers,
         };
         err = pel_http_server_create(&options->limits, &context, &whep, frames,
                                      &net->http, fault);

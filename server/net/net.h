@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/allow.h"
 #include "base/err.h"
 #include "base/metrics.h"
 #include "cluster/cluster.h"
@@ -68,6 +69,7 @@ struct pel_net_options {
      * wheppeer.h; NULL: none. Media come from http_address. */
     uint16_t whep_port_min, whep_port_max;
     const char *const *whep_servers;
+    struct pel_allow whep_peers; /* as pel_whep_places */
     struct pel_exercises *exercises; /* NULL: none */
     struct pel_cluster *cluster;     /* NULL: none */
     struct pel_metrics *metrics; /* shown at /metrics; joined by the net's */

@@ -329,11 +329,10 @@ enum pel_err pel_whep_ask(struct pel_whep *whep,
         g_free(s);
         return err;
     }
-    if (wish->from) {
-        pel_whep_offer_add_asker(&s->offer, wish->from);
-    }
+    pel_whep_offer_keep(&s->offer, wish->from, &whep->places.peers);
     g_strlcpy(s->view, wish->view, sizeof s->view);
     s->profile = wish->profile;
+    s->profile.codec = s->offer.vp8 ? PEL_CODEC_VP8 : PEL_CODEC_H264;
     s->done = done;
     s->user = user;
     add_session(whep, s);

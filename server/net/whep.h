@@ -1,9 +1,9 @@
 /* Views by WebRTC for browsers and players, asked for by WHEP (the draft that
- * follows RFC 9725): one offer, one answer with every candidate, media in H.264
- * from the encoder that the other viewers of the view share. A thread of its
- * own, which the first offer starts, names terms with one peer after the other
- * and ends them. A view is drawn for a peer from when it is connected. Control
- * thread. */
+ * follows RFC 9725): one offer, one answer with every candidate, media in
+ * H.264, or VP8 where the peer takes no other, from the encoder that the other
+ * viewers of the view share. A thread of its own, which the first offer starts,
+ * names terms with one peer after the other and ends them. A view is drawn for
+ * a peer from when it is connected. Control thread. */
 #pragma once
 
 #include <stdbool.h>
@@ -28,10 +28,10 @@ void pel_whep_destroy(struct pel_whep *whep);
 
 struct pel_whep_wish {
     const char *view;
-    struct pel_profile profile; /* H.264 */
+    struct pel_profile profile; /* its codec is the offer's choice */
     const char *offer;          /* SDP */
     size_t offer_size;
-    const char *from; /* the numeric address of who asks; NULL: not known */
+    const char *from; /* the numeric address of who asks; NULL: this machine */
 };
 
 /* Called once, later; answer and id NULL with an error. */

@@ -14,6 +14,9 @@
 #define UFRAG_MIN 4
 #define PASSWORD_MIN 22
 #define MOST_TYPES 64 /* of one line that are looked at */
+#define GROUPS 4      /* likewise of an offer */
+#define DATA "webrtc-datachannel"
+#define SCTP_PORT 5000 /* RFC 8841: what everybody takes */
 
 /* --- words ---------------------------------------------------------------- */
 
@@ -75,7 +78,7 @@ static bool is_numeric_address(const char *text)
 
 /* "FOUNDATION COMPONENT udp PRIORITY ADDRESS PORT typ TYPE …", of which the
  * rest is left out. */
-static void keep_candidate(struct pel_whep_offer *out, const char *text)
+static void keep_candidate(struct pel_whep_transport *out, const char *text)
 {
     char foundation[36], proto[8], address[48], type[8];
     unsigned component, priority, port;
@@ -100,20 +103,23 @@ static void keep_candidate(struct pel_whep_offer *out, const char *text)
 
 struct type {
     unsigned payload;
-    bool h264, whole; /* packetization-mode=1 */
-    bool rtx;         /* retransmissions of type `apt` */
+    bool h264, vp8;
+    bool whole; /* packetization-mode=1 */
+    bool rtx;   /* retransmissions of type `apt` */
     unsigned apt;
     char profile[8];
 };
 
 struct reader {
     struct pel_whep_offer *out;
-    struct pel_whep_offer common; /* what holds for every line: of ICE, DTLS */
-    bool in_media, takes;         /* this line wants to receive */
+    struct pel_whep_transport common; /* what holds for every line */
+    struct pel_whep_transport own[PEL_WHEP_LINES];
+    const char *groups[GROUPS]; /* the words behind BUNDLE */
+    size_t group_count;
+    bool in_media, takes; /* this line wants to receive */
     bool found;
     struct type types[MOST_TYPES]; /* of this line */
     size_t type_count;
-    struct pel_whep_offer mine; /* this line's ICE and DTLS */
 };
 
 static struct type *type_of(struct reader *r, unsigned payload)
@@ -130,15 +136,16 @@ static struct type *type_of(struct reader *r, unsigned payload)
     return &r->types[r->type_count++];
 }
 
-/* Ours is constrained baseline: the more alike, the higher; 0: no use. */
+/* Our H.264 is constrained baseline: the more alike, the higher; VP8, which
+ * takes an encoder of its own, where there is none; 0: no use. */
 static int rank(const struct type *type)
 {
     if (!type->h264 || !type->whole) {
-        return 0;
+        return type->vp8 ? 1 : 0;
     }
     unsigned id = (unsigned)g_ascii_strtoull(type->profile, NULL, 16);
     bool baseline = !type->profile[0] || id >> 16 == 0x42;
-    return !baseline ? 1 : id >> 8 & 0x40 ? 3 : 2;
+    return !baseline ? 2 : id >> 8 & 0x40 ? 4 : 3;
 }
 
 static void read_format(struct reader *r, const char *text)
@@ -167,9 +174,20 @@ static void read_map(struct reader *r, const char *text)
     char *rest;
     struct type *type =
         type_of(r, (unsigned)MIN(g_ascii_strtoull(text, &rest, 10), 128));
+    g_strchug(rest);
     if (type) {
-        type->h264 = g_ascii_strcasecmp(g_strchug(rest), "H264/90000") == 0;
+        type->h264 = g_ascii_strcasecmp(rest, "H264/90000") == 0;
+        type->vp8 = g_ascii_strcasecmp(rest, "VP8/90000") == 0;
         type->rtx = g_ascii_strcasecmp(rest, "rtx/90000") == 0;
+    }
+    struct pel_whep_line *line = &r->out->lines[r->out->line_count - 1];
+    size_t length = strlen(line->format);
+    bool first = strncmp(text, line->format, length) == 0 &&
+                 !g_ascii_isdigit(text[length]);
+    if (first && strlen(rest) < sizeof line->map &&
+        strspn(rest, "-_.+/0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                     "abcdefghijklmnopqrstuvwxyz") == strlen(rest)) {
+        g_strlcpy(line->map, rest, sizeof line->map);
     }
 }
 
@@ -184,30 +202,107 @@ static void end_line(struct reader *r)
         }
     }
     size_t at = r->out->line_count - 1;
-    bool video = r->in_media && strcmp(r->out->lines[at].kind, "video") == 0;
+    bool video = r->in_media && !r->out->lines[at].off &&
+                 strcmp(r->out->lines[at].kind, "video") == 0;
     if (!video || !best || !r->takes || r->found) {
         return;
     }
     r->found = true;
     r->out->video = at;
     r->out->payload = best->payload;
+    r->out->vp8 = best->vp8;
     memcpy(r->out->profile, best->profile, sizeof best->profile);
     for (size_t i = 0; i < r->type_count; i++) {
         if (r->types[i].rtx && r->types[i].apt == best->payload) {
             r->out->rtx = r->types[i].payload;
         }
     }
-#define EITHER(field)                                                          \
-    g_strlcpy(r->out->field,                                                   \
-              r->mine.field[0] ? r->mine.field : r->common.field,              \
-              sizeof r->out->field)
-    EITHER(ufrag);
-    EITHER(password);
-    EITHER(fingerprint);
-    EITHER(setup);
-#undef EITHER
-    memcpy(r->out->candidates, r->mine.candidates, sizeof r->mine.candidates);
-    r->out->candidate_count = r->mine.candidate_count;
+}
+
+/* --- groups ---------------------------------------------------------------
+ */
+
+/* The line of that mid, or -1. */
+static int line_of(const struct pel_whep_offer *o, const char *mid)
+{
+    for (size_t i = 0; i < o->line_count; i++) {
+        if (o->lines[i].mid[0] && strcmp(o->lines[i].mid, mid) == 0) {
+            return (int)i;
+        }
+    }
+    return -1;
+}
+
+/* Where the pictures' line is in this group, the transport is that of the
+ * group's first (RFC 9143, 7.2). */
+static void take_group(struct pel_whep_offer *o, const char *words)
+{
+    char **mids = g_strsplit(words, " ", -1);
+    int first = -1;
+    const char *mine = o->lines[o->video].mid;
+    if (mine[0] && g_strv_contains((const char *const *)mids, mine)) {
+        o->in_group = true;
+        for (int i = 0; mids[i]; i++) {
+            int at = line_of(o, mids[i]);
+            if (at >= 0 && !o->lines[at].off) {
+                o->lines[at].grouped = true;
+                first = first < 0 ? at : first;
+            }
+        }
+        o->tagged = first < 0 ? o->video : (size_t)first;
+    }
+    g_strfreev(mids);
+}
+
+/* Whether a line that gets nothing can stay. */
+static bool is_rtp(const struct pel_whep_line *line)
+{
+    bool named = line->map[0] || g_ascii_strtoull(line->format, NULL, 10) < 96;
+    return strcmp(line->proto, "UDP/TLS/RTP/SAVPF") == 0 && named;
+}
+
+static bool is_data(const struct pel_whep_line *line)
+{
+    return strcmp(line->kind, "application") == 0 &&
+           g_str_has_suffix(line->proto, "/DTLS/SCTP") &&
+           strcmp(line->format, DATA) == 0;
+}
+
+/* Data have no state in which nothing is sent: they stay only where the
+ * transport is theirs. */
+static bool stays(const struct pel_whep_offer *o, size_t at)
+{
+    const struct pel_whep_line *line = &o->lines[at];
+    return at == o->video ||
+           (line->grouped &&
+            (is_rtp(line) || (at == o->tagged && is_data(line))));
+}
+
+static void take_transport(struct reader *r)
+{
+    struct pel_whep_offer *o = r->out;
+    const struct pel_whep_transport *order[] = { &r->own[o->tagged], &r->common,
+                                                 &r->own[o->video] };
+    o->transport = r->own[o->tagged];
+    for (size_t i = 1; i < G_N_ELEMENTS(order); i++) {
+#define ELSE(field)                                                            \
+    if (!o->transport.field[0]) {                                              \
+        memcpy(o->transport.field, order[i]->field,                            \
+               sizeof o->transport.field);                                     \
+    }
+        ELSE(ufrag)
+        ELSE(password)
+        ELSE(fingerprint)
+        ELSE(setup)
+#undef ELSE
+    }
+    const struct pel_whep_transport *mine = &r->own[o->video];
+    if (o->transport.candidate_count == 0 &&
+        strcmp(mine->ufrag, o->transport.ufrag) == 0) {
+        memcpy(o->transport.candidates, mine->candidates,
+               sizeof mine->candidates);
+        o->transport.candidate_count = mine->candidate_count;
+    }
 }
 
 static bool begin_line(struct reader *r, const char *text)
@@ -216,6 +311,7 @@ static bool begin_line(struct reader *r, const char *text)
         return false;
     }
     char **words = g_strsplit(text, " ", 5);
+    r->takes = true;
     struct pel_whep_line *line = &r->out->lines[r->out->line_count];
     bool good =
         g_strv_length(words) >= 4 && is_token(words[0], sizeof line->kind) &&
@@ -227,10 +323,10 @@ static bool begin_line(struct reader *r, const char *text)
         g_strlcpy(line->kind, words[0], sizeof line->kind);
         g_strlcpy(line->proto, words[2], sizeof line->proto);
         g_strlcpy(line->format, words[3], sizeof line->format);
+        line->off = strcmp(words[1], "0") == 0;
         r->out->line_count++;
-        r->in_media = r->takes = true;
+        r->in_media = true;
         r->type_count = 0;
-        r->mine = (struct pel_whep_offer){ .video = 0 };
     }
     g_strfreev(words);
     return good;
@@ -245,7 +341,8 @@ static void keep(char *to, size_t room, const char *value, bool good)
 
 static void read_attribute(struct reader *r, const char *line)
 {
-    struct pel_whep_offer *to = r->in_media ? &r->mine : &r->common;
+    struct pel_whep_transport *to =
+        r->in_media ? &r->own[r->out->line_count - 1] : &r->common;
     const char *value;
     if ((value = after(line, "ice-ufrag:"))) {
         keep(to->ufrag, sizeof to->ufrag, value,
@@ -261,7 +358,12 @@ static void read_attribute(struct reader *r, const char *line)
              strcmp(value, "actpass") == 0 || strcmp(value, "active") == 0 ||
                  strcmp(value, "passive") == 0);
     } else if (!r->in_media) {
-        return;
+        if ((value = after(line, "group:BUNDLE ")) && r->group_count < GROUPS) {
+            r->groups[r->group_count++] = value;
+        }
+    } else if (strcmp(line, "bundle-only") == 0) {
+        /* Port 0 until it is known that it can share a transport. */
+        r->out->lines[r->out->line_count - 1].off = false;
     } else if ((value = after(line, "mid:"))) {
         struct pel_whep_line *media = &r->out->lines[r->out->line_count - 1];
         keep(media->mid, sizeof media->mid, value,
@@ -271,7 +373,7 @@ static void read_attribute(struct reader *r, const char *line)
     } else if ((value = after(line, "fmtp:"))) {
         read_format(r, value);
     } else if ((value = after(line, "candidate:"))) {
-        keep_candidate(&r->mine, value);
+        keep_candidate(to, value);
     } else if (strcmp(line, "sendonly") == 0 || strcmp(line, "inactive") == 0) {
         r->takes = false;
     }
@@ -289,15 +391,23 @@ static enum pel_err check(const struct reader *r, struct pel_fault *fault)
     if (!r->found) {
         return missing(fault, "m=video",
                        "the offer must have a video line that receives "
-                       "(recvonly) H264/90000 with packetization-mode=1: "
-                       "add such a transceiver before createOffer()");
+                       "(recvonly) H264/90000 with packetization-mode=1, or "
+                       "VP8/90000: add such a transceiver before "
+                       "createOffer()");
     }
-    if (!o->ufrag[0] || !o->password[0]) {
-        return missing(fault, o->ufrag[0] ? "a=ice-pwd" : "a=ice-ufrag",
+    if (!stays(o, o->tagged)) {
+        return missing(fault, "a=group:BUNDLE",
+                       "must begin with a line of RTP (UDP/TLS/RTP/SAVPF) or "
+                       "of a data channel, whose transport it is: offer video "
+                       "first");
+    }
+    const struct pel_whep_transport *t = &o->transport;
+    if (!t->ufrag[0] || !t->password[0]) {
+        return missing(fault, t->ufrag[0] ? "a=ice-pwd" : "a=ice-ufrag",
                        "must be of 4 (ice-ufrag), 22 (ice-pwd) to 256 "
                        "characters of A-Z a-z 0-9 + /");
     }
-    if (!o->fingerprint[0]) {
+    if (!t->fingerprint[0]) {
         return missing(fault, "a=fingerprint",
                        "must be sha-256 and 32 bytes, as AB:CD:…: media are "
                        "sent by DTLS-SRTP only");
@@ -342,6 +452,12 @@ static enum pel_err read_lines(struct reader *r, char **lines,
         }
     }
     end_line(r);
+    r->out->tagged = r->out->video;
+    for (size_t i = 0; r->found && i < r->group_count && !r->out->in_group;
+         i++) {
+        take_group(r->out, r->groups[i]);
+    }
+    take_transport(r);
     return check(r, fault);
 }
 
@@ -368,6 +484,9 @@ enum pel_err pel_whep_offer_read(const char *text, size_t size,
 
 static void append_format(GString *out, const struct pel_whep_offer *offer)
 {
+    if (offer->vp8) {
+        return;
+    }
     g_string_append_printf(
         out, "a=fmtp:%u level-asymmetry-allowed=1;packetization-mode=1%s%s\r\n",
         offer->payload, offer->profile[0] ? ";profile-level-id=" : "",
@@ -392,18 +511,10 @@ static const char *mid_of(const struct pel_whep_offer *offer)
     return mid[0] ? mid : "video";
 }
 
-void pel_whep_offer_add_asker(struct pel_whep_offer *offer, const char *address)
-{
-    if (offer->candidate_count < PEL_WHEP_CANDIDATES) {
-        char *to = offer->candidates[offer->candidate_count++];
-        snprintf(to, sizeof offer->candidates[0], "0 1 UDP 1 %s 9 typ host",
-                 address);
-    }
-}
-
 char *pel_whep_offer_write(const struct pel_whep_offer *offer, bool candidates)
 {
     GString *out = g_string_new(NULL);
+    const struct pel_whep_transport *t = &offer->transport;
     const char *mid = mid_of(offer);
     unsigned pt = offer->payload;
     char rtx[16] = "";
@@ -417,39 +528,115 @@ char *pel_whep_offer_write(const struct pel_whep_offer *offer, bool candidates)
         "m=video 9 UDP/TLS/RTP/SAVPF %u%s\r\nc=IN IP4 0.0.0.0\r\n"
         "a=ice-ufrag:%s\r\na=ice-pwd:%s\r\na=ice-options:trickle\r\n"
         "a=fingerprint:%s\r\na=setup:%s\r\na=mid:%s\r\na=recvonly\r\n"
-        "a=rtcp-mux\r\na=rtpmap:%u H264/90000\r\n"
+        "a=rtcp-mux\r\na=rtpmap:%u %s/90000\r\n"
         "a=rtcp-fb:%u nack pli\r\na=rtcp-fb:%u ccm fir\r\n",
-        mid, pt, rtx, offer->ufrag, offer->password, offer->fingerprint,
-        offer->setup[0] ? offer->setup : "actpass", mid, pt, pt, pt);
+        mid, pt, rtx, t->ufrag, t->password, t->fingerprint,
+        t->setup[0] ? t->setup : "actpass", mid, pt,
+        offer->vp8 ? "VP8" : "H264", pt, pt);
     append_format(out, offer);
     append_rtx(out, offer);
-    for (size_t i = 0; candidates && i < offer->candidate_count; i++) {
-        g_string_append_printf(out, "a=candidate:%s\r\n", offer->candidates[i]);
+    for (size_t i = 0; candidates && i < t->candidate_count; i++) {
+        g_string_append_printf(out, "a=candidate:%s\r\n", t->candidates[i]);
     }
     return g_string_free(out, FALSE);
+}
+
+static bool is_candidate(const char *line)
+{
+    return g_str_has_prefix(line, "a=candidate:");
+}
+
+/* Our end of ICE and DTLS; the candidates once, where the transport is told. */
+static void append_transport(GString *out, char *const *lines, bool candidates)
+{
+    static const char *const prefixes[] = { "a=ice-ufrag:", "a=ice-pwd:",
+                                            "a=ice-options:", "a=fingerprint:",
+                                            "a=setup:" };
+    for (int i = 0; lines[i]; i++) {
+        bool of_it = candidates && is_candidate(lines[i]);
+        for (size_t p = 0; p < G_N_ELEMENTS(prefixes); p++) {
+            of_it = of_it || g_str_has_prefix(lines[i], prefixes[p]);
+        }
+        if (of_it) {
+            g_string_append_printf(out, "%s\r\n", lines[i]);
+        }
+    }
+    g_string_append(out, candidates ? "a=end-of-candidates\r\n" : "");
 }
 
 /* The line of the pictures, with the profile that was offered: GStreamer leaves
  * it out, and browsers would take that for another one. */
 static void append_media(GString *out, const struct pel_whep_offer *offer,
-                         const char *media, const uint32_t *epoch)
+                         char *const *lines, const uint32_t *epoch)
 {
-    char **lines = g_strsplit(media, "\r\n", -1);
+    bool tagged = offer->tagged == offer->video;
     char format[24];
     snprintf(format, sizeof format, "a=fmtp:%u ", offer->payload);
     for (int i = 0; lines[i]; i++) {
         if (g_str_has_prefix(lines[i], format)) {
             append_format(out, offer);
-        } else if (lines[i][0]) {
+        } else if (lines[i][0] && (tagged || !is_candidate(lines[i]))) {
             g_string_append_printf(out, "%s\r\n", lines[i]);
         }
     }
-    g_strfreev(lines);
     if (epoch) {
         g_string_append_printf(
             out, "a=ts-refclk:private\r\na=mediaclk:direct=%u\r\n", *epoch);
     }
-    g_string_append(out, "a=end-of-candidates\r\n");
+    g_string_append(out, tagged ? "a=end-of-candidates\r\n" : "");
+}
+
+/* Any other line. */
+static void append_line(GString *out, const struct pel_whep_offer *offer,
+                        size_t at, char *const *lines)
+{
+    const struct pel_whep_line *line = &offer->lines[at];
+    bool here = stays(offer, at), rtp = is_rtp(line);
+    g_string_append_printf(out, "m=%s %d %s %s\r\nc=IN IP4 0.0.0.0\r\n",
+                           line->kind, here ? 9 : 0, line->proto, line->format);
+    g_string_append(out, here && !rtp ? "" : "a=inactive\r\n");
+    if (line->mid[0]) {
+        g_string_append_printf(out, "a=mid:%s\r\n", line->mid);
+    }
+    if (!here) {
+        return;
+    }
+    if (!rtp) {
+        g_string_append_printf(out, "a=sctp-port:%d\r\n", SCTP_PORT);
+    } else if (line->map[0]) {
+        g_string_append_printf(out, "a=rtcp-mux\r\na=rtpmap:%s %s\r\n",
+                               line->format, line->map);
+    } else {
+        g_string_append(out, "a=rtcp-mux\r\n");
+    }
+    append_transport(out, lines, at == offer->tagged);
+}
+
+/* What is before the first line of media; of a group those that stay, the first
+ * of the offer's first. */
+static void append_head(GString *out, const struct pel_whep_offer *offer,
+                        const char *answer, const char *media)
+{
+    char *head = g_strndup(answer, (gsize)(media - answer));
+    char **lines = g_strsplit(head, "\r\n", -1);
+    for (int i = 0; lines[i]; i++) {
+        if (lines[i][0] && !g_str_has_prefix(lines[i], "a=group:BUNDLE")) {
+            g_string_append_printf(out, "%s\r\n", lines[i]);
+        }
+    }
+    g_strfreev(lines);
+    g_free(head);
+    if (!offer->in_group) {
+        return;
+    }
+    g_string_append_printf(out, "a=group:BUNDLE %s",
+                           offer->lines[offer->tagged].mid);
+    for (size_t i = 0; i < offer->line_count; i++) {
+        if (i != offer->tagged && stays(offer, i)) {
+            g_string_append_printf(out, " %s", offer->lines[i].mid);
+        }
+    }
+    g_string_append(out, "\r\n");
 }
 
 char *pel_whep_answer_write(const struct pel_whep_offer *offer,
@@ -459,19 +646,16 @@ char *pel_whep_answer_write(const struct pel_whep_offer *offer,
     if (!media) {
         return NULL;
     }
-    GString *out = g_string_new_len(answer, media - answer);
+    GString *out = g_string_new(NULL);
+    append_head(out, offer, answer, media);
+    char **lines = g_strsplit(media, "\r\n", -1);
     for (size_t i = 0; i < offer->line_count; i++) {
-        const struct pel_whep_line *line = &offer->lines[i];
         if (i == offer->video) {
-            append_media(out, offer, media, epoch);
-            continue;
-        }
-        g_string_append_printf(out, "m=%s 0 %s %s\r\nc=IN IP4 0.0.0.0\r\n",
-                               line->kind, line->proto, line->format);
-        g_string_append(out, "a=inactive\r\n");
-        if (line->mid[0]) {
-            g_string_append_printf(out, "a=mid:%s\r\n", line->mid);
+            append_media(out, offer, lines, epoch);
+        } else {
+            append_line(out, offer, i, lines);
         }
     }
+    g_strfreev(lines);
     return g_string_free(out, FALSE);
 }

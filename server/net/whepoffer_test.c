@@ -88,8 +88,8 @@ static void chromium(void **state)
     assert_string_equal(offer.lines[2].kind, "application");
     assert_string_equal(offer.lines[2].format, "webrtc-datachannel");
     /* What hides its address is left out; nor is what it hides behind told. */
-    assert_int_equal(offer.candidate_count, 1);
-    assert_string_equal(offer.candidates[0],
+    assert_int_equal(offer.transport.candidate_count, 1);
+    assert_string_equal(offer.transport.candidates[0],
                         "842163049 1 UDP 1677729535 203.0.113.7 51472 typ srflx"
                         " raddr 0.0.0.0 rport 9");
 }
@@ -113,9 +113,9 @@ static void firefox(void **state)
         "a=candidate:3 1 UDP 8331263 2001:db8::7 60001 typ relay raddr "
         "192.0.2.9 rport 48811\r\na=end-of-candidates\r\n");
     assert_int_equal(offer.payload, 126);
-    assert_string_equal(offer.fingerprint, PRINT);
-    assert_int_equal(offer.candidate_count, 2);
-    assert_string_equal(offer.candidates[1],
+    assert_string_equal(offer.transport.fingerprint, PRINT);
+    assert_int_equal(offer.transport.candidate_count, 2);
+    assert_string_equal(offer.transport.candidates[1],
                         "3 1 UDP 8331263 2001:db8::7 60001 typ relay raddr "
                         "0.0.0.0 rport 9");
 }
@@ -130,7 +130,7 @@ static void gstreamer(void **state)
          "a=rtpmap:97 H264/90000\na=fmtp:97 packetization-mode=1\n"
          "a=mid:video0\na=fingerprint:" PRINT "\na=rtcp-mux-only");
     assert_string_equal(offer.lines[0].mid, "video0");
-    assert_string_equal(offer.setup, "passive");
+    assert_string_equal(offer.transport.setup, "passive");
     assert_string_equal(offer.profile, "");
 }
 
@@ -198,7 +198,7 @@ static void there_is_room_for_sixteen(void **state)
     assert_int_equal(offer.video, PEL_WHEP_LINES - 1);
     bad(more, PEL_ERR_MALFORMED, "line 21");
     good(many); /* the others are left out */
-    assert_int_equal(offer.candidate_count, PEL_WHEP_CANDIDATES);
+    assert_int_equal(offer.transport.candidate_count, PEL_WHEP_CANDIDATES);
     g_free(most);
     g_free(more);
     g_free(many);
@@ -250,7 +250,7 @@ static void payload_types(void **state)
     bad(with(WHOLE, "fmtp:102", "fmtp:18446744073709551718"), PEL_ERR_INVALID,
         "m=video");
     for (int i = 0; i < 64; i++) {
-        g_string_append_printf(many, "a=rtpmap:%d VP8/90000\r\n", i);
+        g_string_append_printf(many, "a=rtpmap:%d VP9/90000\r\n", i);
     }
     g_string_append(many, MAP FORMAT);
     bad(many->str, PEL_ERR_INVALID, "m=video");
@@ -278,15 +278,15 @@ static void candidates(void **state)
     for (size_t i = 0; i < G_N_ELEMENTS(none); i++) {
         char *text = g_strdup_printf("%sa=candidate:%s\r\n", WHOLE, none[i]);
         good(text);
-        assert_int_equal(offer.candidate_count, 0);
+        assert_int_equal(offer.transport.candidate_count, 0);
         g_free(text);
     }
     /* The longest of all is kept whole. */
     good(WHOLE "a=candidate:12345678901234567890123456789012 1 UDP 4294967295 "
                "0000:0000:0000:0000:0000:ffff:255.255.255.255 65535 typ srflx "
                "raddr 10.0.0.1 rport 1\r\n");
-    assert_int_equal(offer.candidate_count, 1);
-    assert_true(g_str_has_suffix(offer.candidates[0],
+    assert_int_equal(offer.transport.candidate_count, 1);
+    assert_true(g_str_has_suffix(offer.transport.candidates[0],
                                  " typ srflx raddr 0.0.0.0 rport 9"));
 }
 
@@ -303,53 +303,197 @@ static void only_what_was_checked_is_written(void **state)
     good(text);
     assert_int_equal(offer.line_count, 1);
     assert_int_equal(offer.rtx, 103);
-    assert_string_equal(offer.password, PASSWORD);
+    assert_string_equal(offer.transport.password, PASSWORD);
     g_free(text);
     text = pel_whep_offer_write(&offer, false);
     assert_null(strstr(text, "candidate"));
     g_free(text);
 }
 
-static void who_asks_is_a_candidate(void **state)
+static struct pel_allow networks(const char *text)
 {
-    (void)state;
-    good(HEAD MEDIA "a=mid:v\r\n" CANDIDATE);
-    const size_t offered = offer.candidate_count;
-    for (int i = 0; i < PEL_WHEP_CANDIDATES; i++) {
-        pel_whep_offer_add_asker(&offer, "2001:db8::7");
-    }
-    char *text = pel_whep_offer_write(&offer, true);
-    assert_int_equal(offer.candidate_count, PEL_WHEP_CANDIDATES);
-    good(text);
-    assert_int_equal(offer.candidate_count, PEL_WHEP_CANDIDATES);
-    assert_non_null(strstr(offer.candidates[offered], " 2001:db8::7 9 typ"));
-    g_free(text);
+    struct pel_allow out;
+    assert_int_equal(pel_allow_parse(text, &out, &fault), PEL_OK);
+    return out;
 }
 
+/* Of the sixteen that an offer may name. */
+static void few_are_sent_checks(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *asker, *peers, *given[5], *kept[4];
+    } cases[] = {
+        /* Strangers are told nothing; who asked is, by address alone. */
+        { "192.0.2.9",
+          NULL,
+          { "198.51.100.1", "10.0.0.7", "2001:db8::7" },
+          { "192.0.2.9" } },
+        { "192.0.2.9",
+          NULL,
+          { "198.51.100.1", "192.0.2.9", "::ffff:192.0.2.9", "192.0.2.9" },
+          { "192.0.2.9", "::ffff:192.0.2.9", "192.0.2.9" } },
+        { "2001:db8::7", NULL, { "2001:DB8:0::7" }, { "2001:DB8:0::7" } },
+        { "192.0.2.9",
+          "10.0.0.0/8,198.51.100.1",
+          { "10.1.2.3", "11.1.2.3", "198.51.100.1", "198.51.100.2" },
+          { "10.1.2.3", "198.51.100.1", "192.0.2.9" } },
+        { "192.0.2.9",
+          "10.0.0.0/8",
+          { "10.0.0.1", "10.0.0.2", "10.0.0.3", "10.0.0.4" },
+          { "10.0.0.1", "10.0.0.2", "192.0.2.9" } },
+        /* This machine's. */
+        { NULL,
+          NULL,
+          { "127.0.0.5", "::1", "198.51.100.1" },
+          { "127.0.0.5", "::1" } },
+    };
+    for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
+        struct pel_allow peers = { 0 };
+        GString *text = g_string_new(HEAD MEDIA "a=mid:v\r\n");
+        if (cases[i].peers) {
+            peers = networks(cases[i].peers);
+        }
+        for (int k = 0; k < 5 && cases[i].given[k]; k++) {
+            g_string_append_printf(text,
+                                   "a=candidate:%d 1 UDP 1 %s 7 typ host\r\n",
+                                   k, cases[i].given[k]);
+        }
+        good(text->str);
+        pel_whep_offer_keep(&offer, cases[i].asker, &peers);
+        size_t count = 0;
+        for (; count < 4 && cases[i].kept[count]; count++) {
+            char part[64];
+            g_snprintf(part, sizeof part, " %s ", cases[i].kept[count]);
+            assert_non_null(strstr(offer.transport.candidates[count], part));
+        }
+        assert_int_equal(offer.transport.candidate_count, count);
+        char *written = pel_whep_offer_write(&offer, true);
+        good(written);
+        g_free(written);
+        g_string_free(text, TRUE);
+    }
+}
+
+#define ANSWER                                                                 \
+    "v=0\r\ns=-\r\na=group:BUNDLE v\r\nm=video 9 UDP/TLS/RTP/SAVPF 102\r\n"    \
+    "a=ice-ufrag:ours\r\na=setup:active\r\na=mid:v\r\n"                        \
+    "a=candidate:1 1 UDP 1 192.0.2.1 5 typ host\r\n"                           \
+    "a=fmtp:102 packetization-mode=1\r\na=fmtp:103 apt=102\r\n"
+#define PICTURES                                                               \
+    "a=fmtp:102 level-asymmetry-allowed=1;packetization-mode=1\r\n"            \
+    "a=fmtp:103 apt=102\r\n"
+
+static void answers(const char *text, const char *wanted)
+{
+    good(text);
+    char *said = pel_whep_answer_write(&offer, ANSWER, NULL);
+    assert_string_equal(said, wanted);
+    g_free(said);
+}
+
+/* Without a group there is a transport for the pictures alone. */
 static void every_line_is_answered(void **state)
 {
     (void)state;
     const uint32_t epoch = 4294967295u;
-    good(HEAD EMPTY "a=mid:a\r\n" MEDIA "a=mid:v\r\n"
-                    "m=application 9 UDP/DTLS/SCTP webrtc-datachannel\r\n");
-    char *text = pel_whep_answer_write(
-        &offer,
-        "v=0\r\ns=-\r\nm=video 9 UDP/TLS/RTP/SAVPF 102\r\na=mid:v\r\n"
-        "a=fmtp:102 packetization-mode=1\r\na=fmtp:103 apt=102\r\n",
-        &epoch);
-    assert_string_equal(
-        text,
-        "v=0\r\ns=-\r\nm=audio 0 UDP/TLS/RTP/SAVPF 0\r\n"
-        "c=IN IP4 0.0.0.0\r\na=inactive\r\na=mid:a\r\n"
-        "m=video 9 UDP/TLS/RTP/SAVPF 102\r\na=mid:v\r\n"
-        "a=fmtp:102 level-asymmetry-allowed=1;packetization-mode=1\r\n"
-        "a=fmtp:103 "
-        "apt=102\r\na=ts-refclk:private\r\na=mediaclk:direct=4294967295\r\n"
-        "a=end-of-candidates\r\n"
-        "m=application 0 UDP/DTLS/SCTP webrtc-datachannel\r\n"
-        "c=IN IP4 0.0.0.0\r\na=inactive\r\n");
-    g_free(text);
+    const char *text =
+        HEAD EMPTY "a=mid:a\r\n" MEDIA "a=mid:v\r\n"
+                   "m=application 9 UDP/DTLS/SCTP webrtc-datachannel\r\n";
+    answers(text, "v=0\r\ns=-\r\nm=audio 0 UDP/TLS/RTP/SAVPF 0\r\n"
+                  "c=IN IP4 0.0.0.0\r\na=inactive\r\na=mid:a\r\n"
+                  "m=video 9 UDP/TLS/RTP/SAVPF 102\r\na=ice-ufrag:ours\r\n"
+                  "a=setup:active\r\na=mid:v\r\n"
+                  "a=candidate:1 1 UDP 1 192.0.2.1 5 typ host\r\n" PICTURES
+                  "a=end-of-candidates\r\n"
+                  "m=application 0 UDP/DTLS/SCTP webrtc-datachannel\r\n"
+                  "c=IN IP4 0.0.0.0\r\na=inactive\r\n");
+    char *said = pel_whep_answer_write(&offer, ANSWER, &epoch);
+    assert_non_null(strstr(said, "a=ts-refclk:private\r\n"
+                                 "a=mediaclk:direct=4294967295\r\n"));
+    g_free(said);
     assert_null(pel_whep_answer_write(&offer, "v=0\r\n", NULL));
+}
+
+#define SOUND                                                                  \
+    "m=audio 9 UDP/TLS/RTP/SAVPF 111 "                                         \
+    "0\r\na=ice-ufrag:Snd1\r\na=ice-pwd:" PASSWORD "\r\n" DTLS                 \
+    "a=mid:a\r\na=rtpmap:0 PCMU/8000\r\n"                                      \
+    "a=rtpmap:111 opus/48000/2\r\n" CANDIDATE
+#define TRANSPORT "a=ice-ufrag:ours\r\na=setup:active\r\n"
+#define CANDIDATES                                                             \
+    "a=candidate:1 1 UDP 1 192.0.2.1 5 typ host\r\na=end-of-candidates\r\n"
+#define SHARED                                                                 \
+    "m=video 9 UDP/TLS/RTP/SAVPF 102\r\na=ice-ufrag:ours\r\n"                  \
+    "a=setup:active\r\na=mid:v\r\n" PICTURES
+
+/* The group's first line has the transport, and may not be refused. */
+static void sound_first(void **state)
+{
+    (void)state;
+    answers(HEAD
+            "a=group:BUNDLE a v d\r\n" SOUND
+            "m=video 0 UDP/TLS/RTP/SAVPF 102\r\na=bundle-only\r\n" MAP FORMAT
+            "a=mid:v\r\n"
+            "m=application 9 UDP/DTLS/SCTP webrtc-datachannel\r\n"
+            "a=mid:d\r\n",
+            "v=0\r\ns=-\r\na=group:BUNDLE a v\r\n"
+            "m=audio 9 UDP/TLS/RTP/SAVPF 111\r\nc=IN IP4 0.0.0.0\r\n"
+            "a=inactive\r\na=mid:a\r\na=rtcp-mux\r\n"
+            "a=rtpmap:111 opus/48000/2\r\n" TRANSPORT CANDIDATES SHARED
+            "m=application 0 UDP/DTLS/SCTP webrtc-datachannel\r\n"
+            "c=IN IP4 0.0.0.0\r\na=inactive\r\na=mid:d\r\n");
+    assert_string_equal(offer.transport.ufrag, "Snd1");
+    assert_int_equal(offer.transport.candidate_count, 1);
+    /* Data have no state without a transport. */
+    answers(HEAD "a=group:BUNDLE d v w\r\n"
+                 "m=application 9 UDP/DTLS/SCTP webrtc-datachannel\r\n"
+                 "a=mid:d\r\n" ICE DTLS MEDIA "a=mid:v\r\n"
+                 "m=video 9 UDP/TLS/RTP/SAVPF 96\r\na=mid:w\r\n"
+                 "a=rtpmap:96 VP8/90000\r\n",
+            "v=0\r\ns=-\r\na=group:BUNDLE d v w\r\n"
+            "m=application 9 UDP/DTLS/SCTP webrtc-datachannel\r\n"
+            "c=IN IP4 0.0.0.0\r\na=mid:d\r\n"
+            "a=sctp-port:5000\r\n" TRANSPORT CANDIDATES SHARED
+            "m=video 9 UDP/TLS/RTP/SAVPF 96\r\nc=IN IP4 0.0.0.0\r\n"
+            "a=inactive\r\na=mid:w\r\na=rtcp-mux\r\n"
+            "a=rtpmap:96 VP8/90000\r\n" TRANSPORT);
+    /* A line that the offer has given up is not of the group. */
+    answers(HEAD "a=group:BUNDLE a v\r\n"
+                 "m=audio 0 UDP/TLS/RTP/SAVPF 111\r\na=mid:a\r\n" MEDIA
+                 "a=mid:v\r\n",
+            "v=0\r\ns=-\r\na=group:BUNDLE v\r\n"
+            "m=audio 0 UDP/TLS/RTP/SAVPF 111\r\nc=IN IP4 0.0.0.0\r\n"
+            "a=inactive\r\na=mid:a\r\n"
+            "m=video 9 UDP/TLS/RTP/SAVPF 102\r\n" TRANSPORT
+            "a=mid:v\r\na=candidate:1 1 UDP 1 192.0.2.1 5 typ host\r\n" PICTURES
+            "a=end-of-candidates\r\n");
+    bad(HEAD "a=group:BUNDLE a v\r\nm=audio 9 RTP/AVP 0\r\na=mid:a\r\n" MEDIA
+             "a=mid:v\r\n",
+        PEL_ERR_INVALID, "a=group:BUNDLE");
+}
+
+/* H.264 where there is any, as its encoder is shared with others. */
+static void other_codec(void **state)
+{
+    (void)state;
+    good(HEAD VIDEO ICE DTLS MAP FORMAT "a=rtpmap:96 VP8/90000\r\n");
+    assert_false(offer.vp8);
+    good(HEAD VIDEO ICE DTLS
+         "a=rtpmap:96 VP9/90000\r\na=rtpmap:120 VP8/90000\r\n"
+         "a=rtpmap:121 rtx/90000\r\na=fmtp:121 apt=120\r\n");
+    assert_true(offer.vp8);
+    assert_int_equal(offer.payload, 120);
+    assert_int_equal(offer.rtx, 121);
+    char *text = pel_whep_offer_write(&offer, false);
+    assert_non_null(strstr(text, "a=rtpmap:120 VP8/90000\r\n"));
+    assert_null(strstr(text, "packetization-mode"));
+    good(text);
+    assert_true(offer.vp8);
+    g_free(text);
+    /* H.264 in single NAL units is none that we make. */
+    good(HEAD VIDEO ICE DTLS MAP "a=rtpmap:96 VP8/90000\r\n");
+    assert_true(offer.vp8);
 }
 
 int main(void)
@@ -365,8 +509,10 @@ int main(void)
         cmocka_unit_test(payload_types),
         cmocka_unit_test(candidates),
         cmocka_unit_test(only_what_was_checked_is_written),
-        cmocka_unit_test(who_asks_is_a_candidate),
+        cmocka_unit_test(few_are_sent_checks),
         cmocka_unit_test(every_line_is_answered),
+        cmocka_unit_test(sound_first),
+        cmocka_unit_test(other_codec),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -22,12 +22,15 @@
 #define LAUNCH                                                                 \
     "appsrc name=source is-live=true format=time do-timestamp=true "           \
     "block=false max-bytes=0 max-buffers=0 max-time=0 "                        \
-    "caps=video/x-h264,stream-format=byte-stream,alignment=au ! "              \
-    "rtph264pay name=pay pt=%u ssrc=%u config-interval=-1 mtu=1200 "           \
-    "aggregate-mode=zero-latency timestamp-offset=0 ! "                        \
-    "application/x-rtp,media=video,encoding-name=H264,payload=%u,"             \
+    "caps=video/%s name=pay pt=%u ssrc=%u mtu=1200 timestamp-offset=0 ! "      \
+    "application/x-rtp,media=video,encoding-name=%s,payload=%u,"               \
     "clock-rate=90000 ! web.sink_0 "                                           \
     "webrtcbin name=web bundle-policy=max-bundle"
+
+#define PAY_H264                                                               \
+    "x-h264,stream-format=byte-stream,alignment=au ! rtph264pay "              \
+    "config-interval=-1 aggregate-mode=zero-latency"
+#define PAY_VP8 "x-vp8 ! rtpvp8pay"
 
 struct pel_whep_peer {
     GstElement *pipeline, *web;
@@ -136,14 +139,15 @@ static void set_places(GstElement *web, const struct pel_whep_places *places)
 
 /* Lost packets are sent again where the offer has a type for it; `ssrc` is
  * told, as otherwise the answer would name 0 as what they belong to. */
-static void set_transceiver(GstElement *web, unsigned payload, unsigned ssrc)
+static void set_transceiver(GstElement *web, const char *codec,
+                            unsigned payload, unsigned ssrc)
 {
     GstPad *pad = gst_element_get_static_pad(web, "sink_0");
     GstWebRTCRTPTransceiver *transceiver = NULL;
     GstCaps *caps = gst_caps_new_simple(
         "application/x-rtp", "media", G_TYPE_STRING, "video", "encoding-name",
-        G_TYPE_STRING, "H264", "payload", G_TYPE_INT, (int)payload,
-        "clock-rate", G_TYPE_INT, 90000, "ssrc", G_TYPE_UINT, ssrc, NULL);
+        G_TYPE_STRING, codec, "payload", G_TYPE_INT, (int)payload, "clock-rate",
+        G_TYPE_INT, 90000, "ssrc", G_TYPE_UINT, ssrc, NULL);
     g_object_get(pad, "transceiver", &transceiver, NULL);
     g_object_set(transceiver, "direction",
                  GST_WEBRTC_RTP_TRANSCEIVER_DIRECTION_SENDONLY,
@@ -165,8 +169,9 @@ static enum pel_err make(struct pel_whep_peer *peer,
         return err;
     }
     unsigned ssrc = g_random_int() | 1;
-    snprintf(launch, sizeof launch, LAUNCH, offer->payload, ssrc,
-             offer->payload);
+    const char *codec = offer->vp8 ? "VP8" : "H264";
+    snprintf(launch, sizeof launch, LAUNCH, offer->vp8 ? PAY_VP8 : PAY_H264,
+             offer->payload, ssrc, codec, offer->payload);
     peer->pipeline = gst_parse_launch_full(launch, NULL,
                                            GST_PARSE_FLAG_FATAL_ERRORS, &error);
     if (!peer->pipeline) {
@@ -193,7 +198,7 @@ static enum pel_err make(struct pel_whep_peer *peer,
     g_signal_connect(peer->web, "notify::connection-state",
                      G_CALLBACK(on_state), peer);
     set_places(peer->web, places);
-    set_transceiver(peer->web, offer->payload, ssrc);
+    set_transceiver(peer->web, codec, offer->payload, ssrc);
     gst_element_set_state(peer->pipeline, GST_STATE_PLAYING);
     return PEL_OK;
 }

@@ -5,6 +5,7 @@
 
 #include <stdint.h>
 
+#include "base/allow.h"
 #include "base/err.h"
 #include "frames/frames.h"
 #include "net/whepoffer.h"
@@ -17,6 +18,9 @@ struct pel_whep_places {
     uint16_t port_min, port_max; /* UDP; 0: any free one */
     /* stun://HOST:PORT, turn(s)://USER:PASSWORD@HOST:PORT; NULL: none */
     const char *const *servers;
+    /* Where candidates are sent checks beside the asker's, where there are
+     * servers */
+    struct pel_allow peers;
 };
 
 enum pel_whep_event {

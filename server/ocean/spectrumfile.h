@@ -1,7 +1,6 @@
 /* Measured and modelled wave spectra in files of others' forms, read by
  * pelagos-spectrum, a process of its own (base/helper.h): WAVEWATCH III and
- * SWAN as text and NetCDF, ERA5, NDBC and CDIP as NetCDF, NDBC's historical
- * text, Datawell's .spt, Spotter's JSON. */
+ * SWAN as text and NetCDF, ERA5 and NDBC as NetCDF, NDBC's historical text. */
 #pragma once
 
 #include "base/err.h"

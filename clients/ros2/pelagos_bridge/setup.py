@@ -12,7 +12,6 @@ setup(
         (f"share/{NAME}/launch", ["launch/bridge.launch.py"]),
         (f"share/{NAME}/config", ["config/bridge.yaml"]),
     ],
-    python_requires=">=3.10",
     install_requires=["setuptools"],
     zip_safe=True,
     maintainer="Pelagos",
