@@ -69,7 +69,7 @@ struct pel_net_options {
      * wheppeer.h; NULL: none. Media come from http_address. */
     uint16_t whep_port_min, whep_port_max;
     const char *const *whep_servers;
-    struct pel_allow whep_peers; /* as pel_whep_places */
+    struct pel_allow whep_peers;     /* as pel_whep_places */
     struct pel_exercises *exercises; /* NULL: none */
     struct pel_cluster *cluster;     /* NULL: none */
     struct pel_metrics *metrics; /* shown at /metrics; joined by the net's */
