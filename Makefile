@@ -41,6 +41,7 @@ TEST_PACKAGES := gmt-gshhg-low gstreamer1.0-tools glib-networking gdal-bin gpsd-
     libclang-rt-14-dev clang-tidy clang-format man-db systemd \
     tshark python3-yaml iproute2 nftables etcd-server etcd-client python3-gi gir1.2-gst-plugins-bad-1.0 coturn $(SITE_PACKAGES) $(DEB_PACKAGES) \
     python3-nbclient python3-ipykernel python3-matplotlib \
+    python3-pyqt5.qtwebengine xvfb xauth \
     colcon python3-colcon-ros python3-ament-package python3-genmsg python3-nav-msgs \
     python3-rosgraph-msgs python3-sensor-msgs python3-tf2-msgs
 # Players that `make players` tries; nothing else needs these 323 MB.
@@ -49,6 +50,7 @@ PLAYER_PACKAGES := python3-opencv mpv vlc-bin vlc-plugin-base
 # Debian's Chromium, what judges the page.
 NPM_PACKAGES := modbus-serial@8.0.25 playwright-core@1.49.1 axe-core@4.10.2 \
     @seriousme/openapi-schema-validator@2.11.0 \
+    acorn@8.14.0 acorn-walk@8.3.4 css-tree@3.1.0 @mdn/browser-compat-data@6.0.0 \
     openapi-typescript@7.4.4 openapi-fetch@0.13.3 typescript@5.6.3 \
     openapi-typescript-codegen@0.31.0 \
     hyparquet@1.33.0 parquet-wasm@0.8.0 apache-arrow@21.2.0
@@ -737,7 +739,7 @@ FUZZ_SECONDS ?= 60
 # What a target needs beside the server: sources and libraries of readers.
 FUZZ_WITH_fuzz_coast := server/continents/reader/coastlines.c
 FUZZ_LIBS_fuzz_coast = $(SPECTRUM_LIBS)
-FUZZ_WITH_fuzz_spectrum := server/ocean/reader/netcdfform.c server/ocean/reader/shelf.c
+FUZZ_WITH_fuzz_spectrum := $(addprefix server/ocean/reader/,netcdfform.c shelf.c buoy.c datawell.c spotter.c)
 FUZZ_LIBS_fuzz_spectrum = $(SPECTRUM_LIBS)
 FUZZ_WITH_fuzz_forecast := server/weather/reader/names.c $(addprefix server/seabed/reader/,gdal.c hdf5.c)
 FUZZ_LIBS_fuzz_forecast = $(READER_LIBS) $(SPECTRUM_LIBS)

@@ -17,20 +17,29 @@
 
 struct converter {
     struct json_reader r;
-    Pelagos__Patch *patch; /* of a merge patch; NULL: plain conversion */
+    Pelagos__Patch *patch; /* a merge patch, or the Patch within; or NULL */
+    bool merging;          /* a merge patch */
+    size_t base; /* of the reader's path before that of the patch's state */
     int literal; /* > 0: inside an array, where null only means absent */
+    int mapped;  /* > 0: inside an object of a keyed list's elements */
 };
+
+/* Whether null removes or resets here, as in a merge patch. */
+static bool removes(const struct converter *c)
+{
+    return c->patch && c->literal == 0 && (c->merging || c->mapped > 0);
+}
 
 static enum pel_err read_message(struct converter *c, ProtobufCMessage *out);
 
 static enum pel_err remove_here(struct converter *c)
 {
-    if (c->patch->n_remove >= MAX_KEYED) {
+    if (c->patch->n_remove >= MAX_KEYED || c->base >= c->r.path_length) {
         return json_fault(&c->r, PEL_ERR_OUT_OF_RANGE, NULL,
                           "is one null too many: at most %d", MAX_KEYED);
     }
     pel_message_append_string(&c->patch->remove, &c->patch->n_remove,
-                              c->r.path);
+                              c->r.path + c->base);
     return PEL_OK;
 }
 
@@ -281,7 +290,11 @@ static enum pel_err keyed_member(struct converter *c,
     }
     if (json_peek(&c->r) == JSON_NULL) {
         enum pel_err err = json_literal(&c->r, JSON_NULL);
-        return err ? err : remove_here(c);
+        return err          ? err
+               : removes(c) ? remove_here(c)
+                            : json_fault(&c->r, PEL_ERR_INVALID, "null",
+                                         "must be an object: there is nothing "
+                                         "to remove here");
     }
     size_t count;
     pel_message_list(message, field, &count);
@@ -319,6 +332,7 @@ static enum pel_err read_keyed_object(struct converter *c,
 {
     enum pel_err err = json_enter(&c->r);
     bool first = true, more = false;
+    c->mapped++;
     while (!err && !(err = json_more(&c->r, '}', &first, &more)) && more) {
         char *name;
         size_t length;
@@ -333,6 +347,7 @@ static enum pel_err read_keyed_object(struct converter *c,
         }
         free(name);
     }
+    c->mapped--;
     return err;
 }
 
@@ -340,22 +355,22 @@ static enum pel_err read_list(struct converter *c, ProtobufCMessage *message,
                               const ProtobufCFieldDescriptor *field)
 {
     enum json_kind kind = json_peek(&c->r);
-    bool merging = c->patch && c->literal == 0;
+    bool plain = c->literal == 0;
     bool keyed = field->type == PROTOBUF_C_TYPE_MESSAGE &&
                  pel_field_key(field->descriptor);
     if (kind == JSON_ARRAY) {
         /* Replaces the list, so what was there goes first. */
-        enum pel_err err = merging ? remove_here(c) : PEL_OK;
+        enum pel_err err = c->merging && plain ? remove_here(c) : PEL_OK;
         return err ? err : read_array(c, message, field);
     }
-    if (kind == JSON_OBJECT && merging && keyed) {
+    if (kind == JSON_OBJECT && plain && keyed) {
         return read_keyed_object(c, message, field);
     }
     return kind == JSON_BAD
                ? json_bad(&c->r)
                : json_fault(&c->r, PEL_ERR_INVALID, NULL, "must be %s",
-                            merging && keyed ? "an array or an object"
-                                             : "an array");
+                            plain && keyed ? "an array or an object"
+                                           : "an array");
 }
 
 static enum pel_err read_member(struct converter *c, ProtobufCMessage *message,
@@ -363,7 +378,7 @@ static enum pel_err read_member(struct converter *c, ProtobufCMessage *message,
 {
     if (json_peek(&c->r) == JSON_NULL) {
         enum pel_err err = json_literal(&c->r, JSON_NULL);
-        return err || !c->patch || c->literal > 0 ? err : remove_here(c);
+        return err || !removes(c) ? err : remove_here(c);
     }
     if (field->label == PROTOBUF_C_LABEL_REPEATED) {
         return read_list(c, message, field);
@@ -414,7 +429,33 @@ static enum pel_err find_member(struct converter *c,
     return PEL_OK;
 }
 
+static enum pel_err read_members(struct converter *c, ProtobufCMessage *out);
+
+/* A Patch within another message, as that of an exercise's event: what an
+ * object of elements removes goes into its `remove`. */
+static enum pel_err read_patch(struct converter *c, ProtobufCMessage *out)
+{
+    struct converter outer = *c;
+    c->patch = (Pelagos__Patch *)out;
+    c->literal = c->mapped = 0;
+    c->base =
+        c->r.path_length + (c->r.path_length > 0 ? 1 : 0) + strlen("state.");
+    enum pel_err err = read_members(c, out);
+    c->patch = outer.patch;
+    c->literal = outer.literal;
+    c->mapped = outer.mapped;
+    c->base = outer.base;
+    return err;
+}
+
 static enum pel_err read_message(struct converter *c, ProtobufCMessage *out)
+{
+    return out->descriptor == &pelagos__patch__descriptor
+               ? read_patch(c, out)
+               : read_members(c, out);
+}
+
+static enum pel_err read_members(struct converter *c, ProtobufCMessage *out)
 {
     enum json_kind kind = json_peek(&c->r);
     if (kind == JSON_BAD) {
@@ -487,7 +528,7 @@ enum pel_err pel_json_merge_patch(const char *text, size_t length,
 {
     Pelagos__Patch *patch =
         (Pelagos__Patch *)pel_message_new(&pelagos__patch__descriptor);
-    struct converter c = { .patch = patch };
+    struct converter c = { .patch = patch, .merging = true };
     patch->state =
         (Pelagos__State *)pel_message_new(&pelagos__state__descriptor);
     enum pel_err err = convert(&c, text, length, &patch->state->base, fault);

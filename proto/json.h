@@ -1,8 +1,11 @@
 /* JSON for every message of the schema: proto3's JSON mapping, generic over
  * protobuf-c's descriptors. Names are lowerCamelCase (the schema's own are
  * accepted too), enums by name (or number), bytes base64, 64-bit integers
- * strings (or numbers when read). Elements of lists without a key may be given
- * as arrays of their fields in the schema's order: points [[0, 5], [3, 4]].
+ * strings (or numbers when read). Lists with a key may be given as objects of
+ * their elements, {"3": {…}} (within a Patch, null there removes the element,
+ * or resets the element's field, as in a merge patch). Elements of lists
+ * without a key may be given as arrays of their fields in the schema's order:
+ * points [[0, 5], [3, 4]].
  *
  * Reading is strict RFC 8259: UTF-8, no comments, no duplicate names, at most
  * PEL_JSON_MAX_DEPTH levels; NaN and infinity are refused. Faults: MALFORMED

@@ -60,6 +60,31 @@ static void values_round_trip(void **state)
            "{\"view\":\"\xf0\x9f\x98\x80\"}");
 }
 
+/* Elements by their keys mean the same in every message; what they remove is
+ * the nearest patch's. */
+static void keyed_objects(void **state)
+{
+    (void)state;
+    expect(&pelagos__exercise__descriptor,
+           "{\"state\":{\"entities\":{\"1\":{\"speed\":5},\"tug\":{}}},"
+           "\"events\":[{\"name\":\"a\",\"patch\":{\"remove\":[\"sky\"],"
+           "\"state\":{\"entities\":{\"3\":{\"speed\":2,\"light\":null},"
+           "\"4\":null},\"views\":{\"bow\":{\"yaw\":5}}}}}]}",
+           "{\"state\":{\"entities\":[{\"id\":1,\"speed\":5},"
+           "{\"name\":\"tug\"}]},\"events\":[{\"name\":\"a\",\"patch\":{"
+           "\"state\":{\"entities\":[{\"id\":3,\"speed\":2}],"
+           "\"views\":[{\"name\":\"bow\",\"yaw\":5}]},"
+           "\"remove\":[\"sky\",\"entities.3.light\",\"entities.4\"]}}]}");
+    expect(&pelagos__spectrum_query__descriptor,
+           "{\"patch\":{\"state\":{\"views\":{\"a\":null}}}}",
+           "{\"patch\":{\"state\":{},\"remove\":[\"views.a\"]}}");
+    /* null outside of them is absent, as it always was */
+    expect(&pelagos__spectrum_query__descriptor,
+           "{\"patch\":{\"state\":{\"sea\":{\"fetch\":null},\"entities\":["
+           "{\"id\":3,\"light\":null}]}}}",
+           "{\"patch\":{\"state\":{\"sea\":{},\"entities\":[{\"id\":3}]}}}");
+}
+
 static void doubles_are_shortest(void **state)
 {
     (void)state;
@@ -150,6 +175,11 @@ static void bad_text_is_refused(void **state)
         { "{\"views\":[{\"name\":\"\t\"}]}", PEL_ERR_MALFORMED,
           "views.0.name" },
         { "{\"views\":[null]}", PEL_ERR_INVALID, "views.0" },
+        { "{\"views\":{\"a\":null}}", PEL_ERR_INVALID, "views.a" },
+        { "{\"views\":{\"a\":7}}", PEL_ERR_INVALID, "views.a" },
+        { "{\"views\":{\"a\":{\"name\":\"b\"}}}", PEL_ERR_INVALID, "views.a" },
+        { "{\"entities\":{\"1.speed\":{}}}", PEL_ERR_INVALID,
+          "entities.1.speed" },
         { "{\"views\":[{\"name\":7}]}", PEL_ERR_INVALID, "views.0.name" },
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -300,6 +330,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(strings_are_json),
         cmocka_unit_test(values_round_trip),
+        cmocka_unit_test(keyed_objects),
         cmocka_unit_test(doubles_are_shortest),
         cmocka_unit_test(locale_does_not_matter),
         cmocka_unit_test(bad_text_is_refused),

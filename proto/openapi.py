@@ -207,8 +207,11 @@ class Document:
             self.schemas[known] = None  # a message of itself ends here
             doc, all_fields = self.schema.messages[name]
             text = f"A merge patch of {name}." if patch else doc
+            # A state that is sent takes its lists as objects of their elements.
+            sent = name in ("Patch", "Exercise")
             self.schemas[known] = form(
-                {f.name: self.of_field(f, patch) for f in all_fields}, (), text)
+                {f.name: self.of_field(f, patch or (sent and f.name == "state"))
+                 for f in all_fields}, (), text)
         return known
 
     def enum(self, name):

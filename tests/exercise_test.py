@@ -35,7 +35,7 @@ class Case(unittest.TestCase):
         """The example without its models, which take seconds to make."""
         with open(os.path.join(EXERCISES, name)) as file:
             exercise = json.load(file)
-        for entity in exercise["state"]["entities"]:
+        for entity in exercise["state"]["entities"].values():
             entity.pop("model", None)
             entity.pop("mooring", None)
             entity.pop("afloat", None)
@@ -496,6 +496,43 @@ class Interfaces(Case):
         self.assertEqual(listed[0]["error"]["path"], "draught")
         self.do(daemon, "LOAD", name="bad", status=400)
         self.do(daemon, "PAUSE", status=409)
+
+    def test_entities_by_their_numbers(self):
+        """One form, with one meaning in a state, an event, a query, a PATCH;
+        the arrays of older files keep theirs."""
+        ship = {"latitude": 52.6, "longitude": 5.2}
+
+        def outcome(state, patch):
+            with open(os.path.join(self.folder, "map.json"), "w") as file:
+                json.dump({"state": {"entities": state}, "events": [
+                    {"name": "e", "when": [{"at": 1}],
+                     "patch": {"state": {"entities": patch}}}]}, file)
+            daemon = self.daemon()
+            self.begin(daemon, "map")
+            self.go(daemon, 2)
+            return {e["id"]: (e["heading"], e.get("light", {}).get("character"))
+                    for e in daemon.state()["entities"]}
+        # As a PATCH does it.
+        patched = self.daemon()
+        patched.patch({"entities": {"1": ship, "2": {
+            **ship, "heading": 90, "light": {"character": "F"}}, "3": ship}})
+        change = {"1": {"heading": 7}, "2": {"light": None}, "3": None,
+                  "4": {**ship, "heading": 11}}
+        patched.patch({"entities": change})
+        want = {e["id"]: (e["heading"], e.get("light", {}).get("character"))
+                for e in patched.state()["entities"]}
+        self.assertEqual(sorted(want), [1, 2, 4])
+        begin = {"1": ship, "2": {**ship, "heading": 90,
+                                  "light": {"character": "F"}}, "3": ship}
+        self.assertEqual(outcome(begin, change), want)
+        # An array in an event changes those that it names and no other.
+        listed = [{"id": int(i), **e} for i, e in begin.items()]
+        self.assertEqual(
+            outcome(listed, [{"id": 1, "heading": 7}]),
+            {1: (7, None), 2: (90, "F"), 3: (0, None)})
+        answer = patched.request("POST", "/v1/spectrum", {"patch": {"state": {
+            "views": {"bridge": {"yaw": 5}}, "sea": {"windSpeed": 3}}}})
+        self.assertEqual(answer.status, 200, answer.body)
 
     def ctl(self, daemon, *words, expected=0):
         done = subprocess.run(

@@ -114,6 +114,14 @@ describe("the plan", () => {
       "moving the plan moves no ship");
     // The plan's middle lies 100 m to the east, 100 m to the south.
     await page.locator("#add-model").selectOption("rib");
+    // As the introduction says it: choose, press, click. A second press ends it.
+    const armed = () => page.locator("#add").getAttribute("aria-pressed");
+    assert.equal(await armed(), "true", "choosing arms");
+    await page.locator("#add").click();
+    assert.equal(await armed(), "true", "the button does not take that away");
+    await page.locator("#add").click();
+    assert.equal(await armed(), "false");
+    await page.locator("#add").click();
     await page.mouse.click(...await spot(0, 0));
     const [east, north] = away(await until("a boat", () => entity("rib")));
     assert.ok(near(east, 100, 8) && near(north, -100, 8), `${east} ${north}`);

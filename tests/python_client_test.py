@@ -384,6 +384,49 @@ class Pictures(OceanCase):
             np.testing.assert_allclose(again.position, camera.position,
                                        atol=1e-4)
 
+    def test_curved_sea(self):
+        """A camera agrees with the daemon's boxes and with its depth up to the
+        horizon, from 2 to 20,000 m."""
+        o = Ocean(self.url, timeout=300)
+        self.addCleanup(o.close)
+        o.set(sea={"windSpeed": 0})
+        view = o.views["bridge"]
+        far = {2: 8, 30: 20, 200: 50, 1000: 110, 20000: 110}  # km
+        seen = 0
+        for height, most in far.items():
+            places = [most * share for share in (0.01, 0.1, 0.5, 1)]
+            o.patch({"entities": {str(10 + i): {
+                **dict(zip(("latitude", "longitude"),
+                           pelagos.to_geographic(120 * km, 1000 * km))),
+                "model": {"name": "safe-water"}, "heading": 70}
+                for i, km in enumerate(places)}, "views": {"bridge": {
+                    "entity": None, "up": height, "yaw": 5,
+                    "pitch": -20 if height > 1000 else -2,
+                    "fieldOfView": 40, "width": 640, "height": 360}}})
+            camera = view.camera()
+            points = [p for one in view.truth().get("entities", [])
+                      for p in (*one["corners"], *one["waterline"])
+                      if "x" in p]
+            seen += len(points)
+            for p in points:
+                drawn = camera.project([p["east"], p["north"], p["up"]])
+                self.assertLess(np.abs(drawn - [p["x"], p["y"]]).max(), 0.1,
+                                f"{height} m")
+            exr = view.frame("exr", layers=("depth", "position")).exr()
+            camera = Camera.of_exr(exr)
+            sea = np.isfinite(exr["depth"])
+            self.assertGreater(exr["depth"][sea].max(),
+                               300 * math.sqrt(2 * 6360 * height / 1000))
+            v, u = np.nonzero(sea)
+            back = camera.project(exr["position"][sea])
+            self.assertLess(np.abs(back - np.stack([u, v], -1) - 0.5).max(),
+                            0.05, f"{height} m")
+            off = camera.unproject(exr["depth"])[sea] - exr["position"][sea]
+            self.assertLess((np.linalg.norm(off, axis=-1)
+                             / (exr["depth"][sea] + 10)).max(),
+                            1e-3 if height > 1000 else 2e-5, f"{height} m")
+        self.assertGreaterEqual(seen, 40)
+
     def test_camera_axes(self):
         """A camera in the world at height 30 that looks east: what is north
         of the axis lies to the left, what is low lies low."""

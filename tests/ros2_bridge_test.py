@@ -3,6 +3,7 @@
 lists of fields, which are compared with Debian's ROS 1 packages where the two
 agree; its node with an rclpy of a few lines, against a daemon; its package by
 colcon."""
+import ast
 import importlib
 import os
 import pathlib
@@ -545,6 +546,31 @@ class Package(unittest.TestCase):
                 capture_output=True, text=True, cwd=folder, check=True,
                 env={**os.environ, "PYTHONPATH": f"{where}:{ROOT}/clients/python"})
             self.assertIn(str(made), said.stdout)
+
+    def test_humble(self):
+        """Of ROS 2's releases Humble has the oldest Python, 3.10: client and
+        bridge say so and use nothing newer, by mypy's lists of what each
+        Python's library has (the client's: python_client_test)."""
+        oldest = "3.10"
+        client = pathlib.Path(ROOT) / "clients/python"
+        said = (client / "pyproject.toml").read_text()
+        self.assertIn(f'requires-python = ">={oldest}"', said)
+        self.assertIn(f'python_version = "{oldest}"', said)
+        self.assertIn(f'python_requires=">={oldest}"',
+                      (PACKAGE / "setup.py").read_text())
+        sources = [*client.glob("pelagos/**/*.py"), *PACKAGE.glob("**/*.py")]
+        for file in sources:
+            ast.parse(file.read_text(), str(file),
+                      feature_version=tuple(map(int, oldest.split("."))))
+        if not shutil.which("mypy"):
+            self.skipTest("mypy is not installed")
+        with tempfile.TemporaryDirectory() as cache:
+            done = subprocess.run(
+                ["mypy", "--cache-dir", cache, "--python-version", oldest,
+                 "--ignore-missing-imports", "--follow-imports", "silent",
+                 str(PACKAGE / "pelagos_bridge")],
+                capture_output=True, text=True, cwd=client)
+        self.assertEqual(done.returncode, 0, done.stdout)
 
     def test_versions_and_dependencies(self):
         version = (pathlib.Path(ROOT) / "VERSION").read_text().strip()

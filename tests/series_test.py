@@ -272,6 +272,45 @@ class Forms(Case):
                     self.assertIn(unit, SAME[CF[standard]], name)
                 self.assertTrue(v.attrs.get("long_name"), name)
 
+    def test_vectors_and_places(self):
+        """Numbers of a vector have its unit; places of points are metres of
+        a mapping that says where they are."""
+        path = ("surface?sweep=time=0:2:1&points=0,0;3000,-4000"
+                "&acceleration=true")
+        s, _, v = self.lists(path)
+        units = {x["name"]: x["unit"] for x in s["variables"]}
+        for name, unit in {"velocity": "m/s", "acceleration": "m/s2",
+                           "normal": "1"}.items():
+            for axis in ("east", "north", "up"):
+                self.assertEqual(units[f"{name}_{axis}"], unit)
+        text = self.series(path + "&format=csv").body.decode()
+        self.assertIn("# acceleration_east [m/s2]", text)
+        d = self.opened(self.series(path + "&format=netcdf").body)
+        for name, unit in units.items():
+            self.assertEqual(d[name].attrs["units"],
+                             "degree" if unit == "deg" else unit, name)
+        self.assertEqual(d.east.attrs["standard_name"],
+                         "projection_x_coordinate")
+        self.assertEqual(d.north.attrs["standard_name"],
+                         "projection_y_coordinate")
+        crs = d[d.height.encoding["grid_mapping"]
+                if "grid_mapping" in d.height.encoding
+                else d.height.attrs["grid_mapping"]]
+        self.assertEqual(crs.attrs["grid_mapping_name"],
+                         "azimuthal_equidistant")
+        origin = self.daemon.state()["origin"]
+        self.assertEqual((crs.attrs["latitude_of_projection_origin"],
+                          crs.attrs["longitude_of_projection_origin"]),
+                         (origin["latitude"], origin["longitude"]))
+        self.assertAlmostEqual(crs.attrs["inverse_flattening"],
+                               298.257223563)
+        # Appendix F's attributes of it, and no others that it has not.
+        self.assertLessEqual({"false_easting", "false_northing",
+                              "semi_major_axis"}, set(crs.attrs))
+        d = self.opened(self.series("brdf?sweep=viewZenith=0:60:30"
+                                    "&format=netcdf").body)
+        self.assertNotIn("crs", d)
+
     def test_ncdump_reads_it(self):
         path = os.path.join(self.folder, "dump.nc")
         with open(path, "wb") as f:

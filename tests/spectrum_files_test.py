@@ -8,6 +8,8 @@ import json
 import math
 import os
 import shutil
+import struct
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -16,7 +18,7 @@ import netCDF4
 import numpy as np
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import ROOT, Daemon
+from pelagos_daemon import BIN, ROOT, SLOW_S, Daemon
 
 SHARED = os.path.join(os.path.dirname(ROOT), "shared/data/waves")
 EPOCH = datetime.datetime(2020, 6, 8, 3, tzinfo=datetime.timezone.utc)
@@ -163,6 +165,361 @@ def realtime(folder, directions):
                     + " ".join(f"{'MM' if i == 0 else f'{v:.3f}'} ({x:.3f})"
                                for i, (v, x) in enumerate(zip(row, F)))
                     + "\n")
+
+
+READER = os.path.join(BIN, "pelagos-spectrum")
+HZ = 0.03 + 0.01 * np.arange(38)
+STAMP = "2026-06-21T12:00:00"
+
+
+def buoy_sea():
+    """2 m, 10 s, m2/Hz over HZ."""
+    with np.errstate(under="ignore"):
+        s = HZ ** -5.0 * np.exp(-1.25 * (HZ * 10) ** -4)
+    return s * 0.25 / np.trapz(s, HZ)
+
+
+def read(path, station="", time="nan"):
+    """Hs, Tp, direction and the moments at the peak; or the reader's words."""
+    done = subprocess.run([READER, *os.path.split(path), time, station],
+                          capture_output=True, timeout=SLOW_S)
+    if done.returncode:
+        return done.stderr.decode()
+    n = struct.unpack("<i", done.stdout[8:12])[0]
+    f, e, r1, r2, a1, a2 = np.frombuffer(done.stdout[24:]).reshape(6, n)
+    x, y = (np.trapz(e * r1 * g(a1), f) for g in (np.cos, np.sin))
+    k = e.argmax()
+    return {"hs": 4 * math.sqrt(np.trapz(e, f)), "tp": 1 / f[k], "r1": r1[k],
+            "r2": r2[k], "from": (270 - math.degrees(math.atan2(y, x))) % 360,
+            "from2": (270 - math.degrees(a2[k])) % 180, "bands": n}
+
+
+class Forms(unittest.TestCase):
+    """Each form and unit by the reader alone: 2 m, 10 s, from 210."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp(prefix="pelagos-forms-")
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        cls.count = 0
+
+    def path(self, ending):
+        type(self).count += 1
+        return os.path.join(self.folder, f"{self.count}{ending}")
+
+    def write(self, ending, text):
+        path = self.path(ending)
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(text)
+        return path
+
+    def is_it(self, path, come_from=210, **place):
+        got = read(path, **place)
+        self.assertIsInstance(got, dict, got)
+        self.assertAlmostEqual(got["hs"], 2, delta=0.03, msg=path)
+        self.assertAlmostEqual(got["tp"], 10, delta=0.6, msg=path)
+        if come_from is None:
+            self.assertEqual(got["r1"], 0)
+        else:
+            self.assertAlmostEqual(got["from"], come_from, delta=1, msg=path)
+        return got
+
+    def refused(self, path, *words, **place):
+        got = read(path, **place)
+        self.assertIsInstance(got, str, got)
+        print(got.strip())
+        for word in words:
+            self.assertIn(word, got)
+
+    # --- SWAN ---------------------------------------------------------------
+
+    def swan(self, names, unit="m2/Hz/degr", quantity="VaDens", value=None,
+             factor=1.0):
+        e = density(2, 10, 210) / factor
+        text = ("SWAN   1\nTIME\n 1\nLONLAT\n"
+                f" {len(names)}  number of locations\n")
+        for i, name in enumerate(names):
+            text += f" {5.1 + i:.3f} 52.550 {name}\n"
+        text += (f"AFREQ\n {len(F)}\n" + "".join(f"{v:.5f}\n" for v in F)
+                 + f"NDIR\n {len(FROM)}\n" + "".join(f"{v}\n" for v in FROM)
+                 + f"QUANT\n 1\n{quantity}\n{unit}  unit\n -99 none\n"
+                 "20260621.120000\n")
+        for i in range(len(names)):
+            rows = e * (1 + i) ** 2
+            text += "FACTOR\n 1e-8\n" + "\n".join(
+                " ".join(str(value) if value is not None else f"{v:.0f}"
+                         for v in row * 1e8) for row in rows) + "\n"
+        return self.write(".spc", text)
+
+    def test_swan_by_place_name(self):
+        for names, asked in ((("Buoy_North", "Buoy_South"), "Buoy_North"),
+                             (("'Harbour mouth 1'", "'Harbour mouth 2'"),
+                              "Harbour mouth 1"),
+                             (("46000", "46001"), "46000"),
+                             (("2", "1"), "2"), (("a", "b"), "A"),
+                             (("", ""), "1"), (("$ x", "$ y"), "1")):
+            path = self.swan(names)
+            self.is_it(path, station=asked)
+            self.is_it(path, station="52.55,5.1")
+            self.assertIn("which station", read(path))
+        path = self.swan(("Pier_A", "Pier_B"))
+        self.assertAlmostEqual(read(path, "Pier_B")["hs"], 4, delta=0.06)
+        self.refused(path, "no station", "Pier_A", station="Pier_C")
+        self.is_it(self.swan(("Alone",)))
+
+    def test_swan_units(self):
+        g = 1025 * 9.80665
+        for unit, quantity, factor in (
+                ("m2/Hz/degr", "VaDens", 1), ("J/m2/Hz/degr", "EnDens", 1 / g),
+                ("m2/Hz/rad", "VaDens", math.pi / 180)):
+            self.is_it(self.swan(("a",), unit, quantity, factor=factor))
+        self.refused(self.swan(("a",), "m2/Hz"), "m2/Hz/degr")
+        self.refused(self.swan(("a",), value=-99), "no data")
+
+    # --- NDBC ---------------------------------------------------------------
+
+    def ndbc(self, head, stamp, minutes=True, missing=(), letters="w",
+             mark="999.00", second=""):
+        type(self).count += 1
+        rows = {"w": buoy_sea(), "d": HZ * 0 + 210, "i": HZ * 0 + 212,
+                "j": HZ * 0 + .85, "k": HZ * 0 + .55}
+        for letter in letters:
+            path = os.path.join(self.folder,
+                                f"{44000 + self.count}{letter}2019.txt")
+            with open(path, "w") as f:
+                f.write(head + " ".join(f"{v:.3f}"[1:] for v in HZ) + "\n"
+                        + second)
+                f.write(stamp + (" 00 " if minutes else " ") + " ".join(
+                    mark if i in missing else f"{v:.2f}"
+                    for i, v in enumerate(rows[letter])) + "\n")
+        return os.path.join(self.folder, f"{44000 + self.count}w2019.txt")
+
+    def test_ndbc_heads(self):
+        for head, stamp, minutes in (
+                ("YYYY MM DD hh  ", "2000 01 01 00", False),
+                ("YY MM DD hh  ", "96 01 01 00", False),
+                ("#YY  MM DD hh mm   ", "2019 01 01 00", True),
+                ("YYYY MM DD hh mm ", "2005 01 01 00", True)):
+            self.is_it(self.ndbc(head, stamp, minutes), None)
+            self.is_it(self.ndbc(head, stamp, minutes, letters="wdijk"))
+        self.is_it(self.ndbc("#YY  MM DD hh mm ", "2019 01 01 00",
+                             second="#yr  mo dy hr mn Hz\n"), None)
+
+    def test_missing_bands_are_no_calm_sea(self):
+        head, stamp = "#YY  MM DD hh mm   ", "2019 01 01 00"
+        for mark in ("999.00", "MM", "99.00", "9999.0"):
+            path = self.ndbc(head, stamp, missing=range(38), mark=mark)
+            self.refused(path, "no density", "measuredTime")
+        got = self.is_it(self.ndbc(head, stamp, missing=(0, 1, 20, 37)), None)
+        self.assertEqual(got["bands"], 34)
+        path = self.ndbc(head, stamp)
+        with open(path, encoding="utf-8") as f:
+            text = f.read()
+        with open(path, "w", encoding="utf-8") as f:
+            f.write(text.rstrip().rsplit(" ", 1)[0] + "\n" + text.split(
+                "\n")[1] + "\n")
+        self.refused(path, "line 2", "fewer values")
+
+    def netcdf(self, directions=True, scale=1.0, axis=HZ, axis_units="Hz",
+               units="m2/Hz", missing=slice(0, 0), polar=slice(0, 0),
+               time_units="seconds since 1970-01-01", calendar=None):
+        path = self.path(".nc")
+        with netCDF4.Dataset(path, "w") as d:
+            for name, size in (("time", 1), ("frequency", len(axis)),
+                               ("latitude", 1), ("longitude", 1)):
+                d.createDimension(name, size)
+            t = d.createVariable("time", "f8", ("time",))
+            t.units, t[:] = time_units, 1782043200
+            if calendar:
+                t.calendar = calendar
+            f = d.createVariable("frequency", "f8", ("frequency",))
+            f.units, f[:] = axis_units, axis
+            for name in ("latitude", "longitude"):
+                d.createVariable(name, "f4", (name,))[:] = 40
+            rows = {"spectral_wave_density": buoy_sea() * scale}
+            if directions:
+                rows.update(mean_wave_dir=HZ * 0 + 210, principal_wave_dir=
+                            HZ * 0 + 212, wave_spectrum_r1=HZ * 0 + .85,
+                            wave_spectrum_r2=HZ * 0 + .55)
+            for name, row in rows.items():
+                v = d.createVariable(name, "f8", ("time", "frequency",
+                                                  "latitude", "longitude"),
+                                     fill_value=999.0)
+                row = np.ma.array(row)
+                row[missing if name[0] == "s" else polar] = np.ma.masked
+                v[:] = row[None, :, None, None]
+            d["spectral_wave_density"].units = units
+        return path
+
+    def test_netcdf_of_buoys(self):
+        self.is_it(self.netcdf())
+        self.is_it(self.netcdf(directions=False), None)
+        self.is_it(self.netcdf(polar=slice(0, 38)), None)
+        self.is_it(self.netcdf(polar=slice(20, 38)))
+        self.refused(self.netcdf(missing=slice(0, 38)), "no density")
+        self.assertEqual(self.is_it(self.netcdf(missing=slice(30, 38)))
+                         ["bands"], 30)
+
+    def test_netcdf_units(self):
+        w = 2 * math.pi * HZ
+        self.is_it(self.netcdf(units="(meter * meter)/Hz"))
+        self.is_it(self.netcdf(scale=1e4, units="cm2/Hz"))
+        self.is_it(self.netcdf(axis=1e3 * HZ, axis_units="mHz"))
+        self.is_it(self.netcdf(axis=w, axis_units="rad/s"))
+        self.is_it(self.netcdf(axis=w, axis_units="rad s-1",
+                               scale=1 / 2 / math.pi, units="m2 s rad-1"))
+        self.is_it(self.netcdf(axis=1 / HZ, axis_units="s"))
+        self.is_it(self.netcdf(axis=1 / HZ, axis_units="s", scale=HZ ** 2,
+                               units="m2/s"))
+        self.refused(self.netcdf(axis=w, axis_units="rad/s", units="m2 s"),
+                     "m2 s", "ncatted")
+        for wrong in ("m", "m2/Hz/degr", "J", "dB", "m2 Hz"):
+            self.refused(self.netcdf(units=wrong), f'"{wrong}"', "ncatted")
+        for wrong in ("m", "1", "kayser"):
+            self.refused(self.netcdf(axis_units=wrong), f'"{wrong}"',
+                         "ncatted")
+
+    def test_netcdf_times(self):
+        minute = "seconds since 1970-01-01 00:00:00 +01:00"
+        self.is_it(self.netcdf(), time="1782043200")
+        self.is_it(self.netcdf(time_units=minute), time="1782039600")
+        self.refused(self.netcdf(calendar="lunar"), "lunar")
+        self.refused(self.netcdf(time_units="fortnights since 1970-01-01"),
+                     "fortnights")
+
+    def test_netcdf_directions(self):
+        def change(units, standard=None, long_name=None, values=None,
+                   density_units=None, scale=1.0):
+            path = self.path(".nc")
+            netcdf(path, "swan")
+            with netCDF4.Dataset(path, "a") as d:
+                v = d["direction"]
+                for name in ("standard_name", "units"):
+                    v.delncattr(name)
+                for name, text in (("units", units), ("long_name", long_name),
+                                   ("standard_name", standard)):
+                    if text:
+                        v.setncattr(name, text)
+                v[:] = FROM if values is None else values
+                d["density"][:] = (density(2, 10, 210) * math.degrees(1)
+                                   * scale)[None, None]
+                if density_units:
+                    d["density"].units = density_units
+            return path
+        wave = "sea_surface_wave_"
+        to, radians = (FROM + 180) % 360, np.radians(FROM)
+        for case in (
+                ("degree", wave + "from_direction"),
+                ("degreeT", wave + "from_direction"),
+                ("radians", wave + "from_direction", None, radians),
+                ("degree", wave + "to_direction", None, to),
+                ("degree", None, "direction waves come from"),
+                (None, wave + "from_direction"),
+                ("degree", wave + "from_direction", None, None,
+                 "m2/Hz/degree", math.pi / 180),
+                ("degree", wave + "from_direction", None, None,
+                 "m^{2}.s.degree^{-1}", math.pi / 180)):
+            self.is_it(change(*case), station="1")
+        self.refused(change("degree"), "come from", "ncatted", station="1")
+        self.refused(change("gon", wave + "from_direction"), '"gon"',
+                     station="1")
+        self.refused(change(None, wave + "from_direction", None, radians),
+                     "unit", station="1")
+        self.refused(change("degree", wave + "from_direction", None, None,
+                            "m2/Hz"), '"m2/Hz"', station="1")
+
+    # --- buoys of others ----------------------------------------------------
+
+    def test_cdip(self):
+        def cdip(flag=1, missing=slice(0, 0)):
+            path = self.path(".nc")
+            with netCDF4.Dataset(path, "w") as d:
+                d.createDimension("waveTime", 2)
+                d.createDimension("waveFrequency", len(HZ))
+                t = d.createVariable("waveTime", "i4", ("waveTime",))
+                t.units = "seconds since 1970-01-01 00:00:00 UTC"
+                t[:] = [1782043200, 1782045000]
+                f = d.createVariable("waveFrequency", "f4", ("waveFrequency",))
+                f.units, f[:] = "hertz", HZ
+                flags = d.createVariable("waveFlagPrimary", "i1",
+                                         ("waveTime",))
+                flags[:] = flag
+                a = math.radians(210)
+                for name, row in (
+                        ("waveEnergyDensity", buoy_sea()),
+                        ("waveA1Value", 0.8 * math.cos(a)),
+                        ("waveB1Value", 0.8 * math.sin(a)),
+                        ("waveA2Value", 0.5 * math.cos(2 * a)),
+                        ("waveB2Value", 0.5 * math.sin(2 * a))):
+                    v = d.createVariable(name, "f4", (
+                        "waveTime", "waveFrequency"), fill_value=-999.99)
+                    row = np.ma.array(row + 0 * HZ)
+                    row[missing] = np.ma.masked
+                    v[:] = np.ma.stack([row, row])
+                d["waveEnergyDensity"].units = "meter^2 second"
+            return path
+        got = self.is_it(cdip())
+        self.assertAlmostEqual(got["r1"], 0.8, places=5)
+        self.assertAlmostEqual(got["r2"], 0.5, places=5)
+        self.assertAlmostEqual(got["from2"], 30, delta=0.1)
+        self.is_it(cdip(), time="1782043200")
+        self.refused(cdip(flag=4), "waveFlagPrimary", "measuredTime")
+        self.refused(cdip(missing=slice(None)), "no density")
+
+    def test_spotter(self):
+        def spotter(ids=("SPOT-1",), **change):
+            a = math.radians(270 - 210)
+            row = {"frequency": list(HZ), "varianceDensity": list(buoy_sea()),
+                   "a1": [0.8 * math.cos(a)] * 38,
+                   "b1": [0.8 * math.sin(a)] * 38,
+                   "a2": [0.5 * math.cos(2 * a)] * 38,
+                   "b2": [0.5 * math.sin(2 * a)] * 38,
+                   "direction": [210.0] * 38,
+                   "directionalSpread": [36.0] * 38,
+                   "timestamp": STAMP + ".000Z", "latitude": 52.5,
+                   "longitude": 5.1}
+            row = {k: v for k, v in {**row, **change}.items() if v is not None}
+            return self.write(".json", json.dumps({"data": [
+                {"waves": [], "frequencyData": [row], "spotterId": name}
+                for name in ids]}))
+        got = self.is_it(spotter())
+        self.assertAlmostEqual(got["r1"], 0.8, places=5)
+        self.assertAlmostEqual(got["from2"], 30, delta=0.1)
+        self.is_it(spotter(("SPOT-1", "SPOT-2")), station="SPOT-2")
+        self.refused(spotter(("SPOT-1", "SPOT-2")), "SPOT-1")
+        self.is_it(spotter(a1=None, b1=None, a2=None, b2=None))
+        self.is_it(spotter(a2=None, b2=None))
+        self.is_it(spotter(timestamp=STAMP + "+02:00"), time="1782036000")
+        self.refused(spotter(), "no record within", time="1782136000")
+        self.refused(spotter(direction=[30.0] * 38), "differ by 180")
+        self.refused(spotter(varianceDensity=[None] * 38), "no density")
+        self.refused(spotter(a1=[0.1]), "a1 has 1 values")
+        self.refused(spotter(varianceDensity=None), "includeFrequencyData")
+        for text in ("{", "[" * 100, '{"data":', '{"a":[1,}'):
+            self.refused(self.write(".json", text), "JSON")
+
+    def test_datawell(self):
+        def spt(height=200, first="", spread=36.0, kurtosis=3.0, ending=".spt",
+                energy=1.0, tail=""):
+            s = buoy_sea()
+            return self.write(ending, first + "\r\n".join(
+                ["5", f"{height}", "8.0", f"{s.max():.4f}", "18.0", "15.0", "7",
+                 "0.0", "0.0", "0.0", "90", "66\u00b0"]
+                + [f"{f:.4f},{energy * e / s.max():.4e},210.0,{spread},0.00,"
+                   f"{kurtosis}" for f, e in zip(HZ, s)]) + tail)
+        for ending in (".spt", ".SPT", "}2026-06-21T12h00Z.spt"):
+            got = self.is_it(spt(ending=ending))
+            self.assertAlmostEqual(got["r1"], 1 - math.radians(36) ** 2 / 2,
+                                   places=5)
+            self.assertAlmostEqual(got["from2"], 30, delta=0.1)
+        self.is_it(spt(first="PTR\r\n"))
+        self.is_it(spt(tail="\r\n"))
+        self.is_it(spt(ending="}2026-06-21T12h00Z.spt"), time="1782043200")
+        self.refused(spt(ending="}2026-06-21T12h00Z.spt"), "2026-06-21T12:00",
+                     time="1782143200")
+        self.refused(spt(height=0), "no spectrum")
+        self.refused(spt(energy=0), "no spectrum")
+        self.refused(self.write(".spt", "nothing\nhere\n"), "Hs in cm")
 
 
 class Files(unittest.TestCase):

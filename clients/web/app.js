@@ -7,6 +7,7 @@ import { addView, clearSilent, silentInputs } from "/inputs.js";
 import { link, missing } from "/link.js";
 import { learn } from "/rights.js";
 import { Store } from "/store.js";
+import { videoKnown } from "/video.js";
 import { Views } from "/views.js";
 
 const POLL_MS = 1000;
@@ -71,7 +72,7 @@ function show() {
 
 // Once for all that is asked for within one frame of the screen.
 function showSoon() {
-  soon ??= setTimeout(show, 8);
+  soon = soon ?? setTimeout(show, 8);
 }
 
 function showLink(up, text) {
@@ -115,6 +116,7 @@ toggle("instruments", true, link.hud, (on) => views.setInstruments(on));
 toggle("large", false, link.plan, (on) => {
   byId(on ? "plan-large" : "plan-small").append(byId("plan-box"));
   byId("plan-large").hidden = !on;
+  document.body.classList.toggle("planned", on);
   byId("plan-away").hidden = !on;
   views.lay();
 });
@@ -195,7 +197,7 @@ async function poll(first) {
       : POLL_MS;
     controls?.heard();
     showLink(true);
-    beginning ??= begin().catch(() => {
+    beginning = beginning ?? begin().catch(() => {
       beginning = null; // again, with the next answer
     });
   } catch (error) {
@@ -231,4 +233,5 @@ byId("about-open").addEventListener("click", async () =>
   (await import("/about.js")).showAbout());
 byId("panel").addEventListener("submit", (event) => event.preventDefault());
 setInterval(refresh, 500);
-poll(firstState);
+videoKnown.then(() => poll(firstState));
+document.documentElement.dataset.runs = ""; // for before.js

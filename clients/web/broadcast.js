@@ -11,7 +11,7 @@ const TYPE = "application/vnd.apple.mpegurl";
 let library = null;
 
 function load() {
-  library ??= new Promise((resolve) => {
+  library = library ?? new Promise((resolve) => {
     const script = document.createElement("script");
     script.src = "/hls.js";
     script.onload = () => resolve(window.Hls);

@@ -63,7 +63,7 @@ export class Controls {
     let made = null;
     const open = () => {
       if (details.open) {
-        made ??= make(details);
+        made = made ?? make(details);
       }
     };
     details.addEventListener("toggle", open);

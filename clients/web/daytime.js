@@ -96,7 +96,7 @@ export class Daytime {
 
   buildUtc(parent) {
     const node = document.createElement("div");
-    node.className = "control";
+    node.className = "control wide";
     const label = document.createElement("label");
     label.className = "label";
     label.htmlFor = "utc";

@@ -5,6 +5,7 @@ import { Gone, inTurn, perform, Problem } from "/api.js";
 import { button } from "/panel.js";
 import { may, needs } from "/rights.js";
 import { Player } from "/player.js";
+import { fitted } from "/views.js";
 
 const LEADS = "PATCH v1/debrief";
 const RECORDS = "POST v1/recording";
@@ -51,6 +52,7 @@ class ThenTile {
     this.live = new Player(view.name, this.canvas, this.image,
       (frame) => this.told(frame), () => {}, "/v1/debrief");
     this.live.start();
+    fitted(this.node, () => view);
   }
 
   told(frame) {
@@ -194,6 +196,7 @@ export class Debrief {
     this.status = status;
     const open = status.state === "OPEN";
     this.bar.hidden = status.state === "CLOSED";
+    document.body.classList.toggle("debriefed", !this.bar.hidden);
     this.bar.classList.toggle("open", open);
     byId("pair").classList.toggle("two", open);
     this.grid.hidden = !open;

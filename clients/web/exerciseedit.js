@@ -8,8 +8,11 @@ import { nameOf } from "/presets.js";
 
 const JSON_TYPE = { "Content-Type": "application/json" };
 
+// Ships are given by their numbers, or as a list.
+const listed = ({ entities = [] }) => Array.isArray(entities) ? entities
+  : Object.entries(entities).map(([id, e]) => ({ id: Number(id), ...e }));
 const own = ({ state = {}, ownShip = 1 }) =>
-  (state.entities ?? []).find((e) => (e.id ?? 0) === ownShip) ?? {};
+  listed(state).find((e) => (e.id ?? 0) === ownShip) ?? {};
 const fine = (x) => Math.round(x * 1e4) / 1e4;
 const place = (exercise) => {
   const { latitude = 52.6, longitude = 5.2 } = own(exercise);
@@ -21,7 +24,7 @@ function corners(exercise) {
   return [[0.01, -0.01], [0.01, 0.01], [0.02, 0.01]].map(([up, right]) =>
     `${fine(latitude + up)} ${fine(longitude + right)}`).join(", ");
 }
-const other = ({ state = {}, ownShip = 1 }) => (state.entities ?? [])
+const other = ({ state = {}, ownShip = 1 }) => listed(state)
   .map((e) => e.id ?? 0).find((id) => id !== ownShip);
 
 // Each makes a condition for the exercise as it is.

@@ -391,7 +391,7 @@ export class Exercises {
     if (exercise) {
       const { Editor } = await import("/exerciseedit.js");
       this.say("");
-      this.form ??= new Editor(this.editor, (saved) => this.saved(saved));
+      this.form = this.form ?? new Editor(this.editor, (saved) => this.saved(saved));
       this.form.open(name, exercise);
     }
   }

@@ -61,6 +61,7 @@ export class Control {
     input.setAttribute("aria-describedby", this.error.id);
     this.inputs = [input, ...others].filter((n) => n.matches("input,select"));
     this.node.append(input, ...others, this.error);
+    this.node.classList.toggle("wide", input.matches(".select, .text"));
     this.node.addEventListener("focusin", () => {
       this.meant = this.target();
     });

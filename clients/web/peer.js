@@ -54,9 +54,10 @@ export class Peer extends Played {
       this.video.play().catch(() => {}); // once there is something to play
       this.watch();
     };
-    peer.onconnectionstatechange = () => {
-      if (peer === this.peer && ["failed", "closed", "disconnected"]
-        .includes(peer.connectionState)) {
+    // Older browsers tell that of ICE alone.
+    peer.onconnectionstatechange = peer.oniceconnectionstatechange = () => {
+      if (peer === this.peer && ["failed", "closed", "disconnected"].includes(
+        peer.connectionState ?? peer.iceConnectionState)) {
         this.lost("the connection broke");
       }
     };

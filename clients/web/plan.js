@@ -188,7 +188,7 @@ export class Plan {
   }
 
   soon() {
-    this.asked ??= requestAnimationFrame(() => {
+    this.asked = this.asked ?? requestAnimationFrame(() => {
       this.asked = null;
       this.draw();
     });

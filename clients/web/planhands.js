@@ -75,7 +75,7 @@ export class PlanHands {
     } else if (plan.adding) {
       plan.adding.to = at;
     } else if (this.began) {
-      this.moved ||= Math.hypot(at[0] - this.began[0],
+      this.moved = this.moved || Math.hypot(at[0] - this.began[0],
         at[1] - this.began[1]) > STILL_PX;
       if (this.moved && this.thing && this.act.moves(this.thing)) {
         this.carry(plan.place(at.map((x, i) => x + this.grip[i])));

@@ -42,7 +42,7 @@ export class Player {
   }
 
   take(way) {
-    this.ways[way] ??= this.makers[way]();
+    this.ways[way] = this.ways[way] ?? this.makers[way]();
     this.way = way;
     this.arrange();
   }

@@ -63,7 +63,7 @@ export function patchOf(state, paths) {
   for (const path of paths) {
     const [part, name] = path.split(".");
     if (PARTS.includes(part) && name && !NOT_KEPT.includes(path)) {
-      patch[part] ??= {};
+      patch[part] = patch[part] ?? {};
       patch[part][name] = state[part]?.[name] ?? null;
     }
   }
@@ -99,7 +99,7 @@ export class Presets {
 
   list(box, id, label, groups) {
     const row = document.createElement("div");
-    row.className = "control";
+    row.className = "control wide";
     const name = document.createElement("label");
     name.className = "label";
     name.htmlFor = id;

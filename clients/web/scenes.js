@@ -69,7 +69,7 @@ const SCENES = {
 let harbour = null;
 
 async function traffic() {
-  harbour ??= await (await fetch("/harbour.json", { headers: headers() }))
+  harbour = harbour ?? await (await fetch("/harbour.json", { headers: headers() }))
     .json();
   return harbour;
 }

@@ -19,7 +19,7 @@ const byId = (id) => document.getElementById(id);
 // uPlot, or null where this program was built without it.
 let plots;
 function loadPlots() {
-  plots ??= new Promise((resolve) => {
+  plots = plots ?? new Promise((resolve) => {
     const style = document.createElement("link");
     style.rel = "stylesheet";
     style.href = "/uplot.css";

@@ -132,7 +132,7 @@ export class Sections {
   buildSpectrum() {
     let wanted = false;
     const wants = () => {
-      wanted &&= this.store.told.sea?.spectrum !== "MEASURED";
+      wanted = wanted && this.store.told.sea?.spectrum !== "MEASURED";
       return wanted;
     };
     const spectrum = this.add(new Choice(byId("sea"), { store: this.store,

@@ -63,7 +63,7 @@ export class Held {
     if (this.waiting.length > MOST) {
       this.thin(); // the delay is long, or the page hidden: it draws none
     }
-    this.asked ??= requestAnimationFrame((at) => this.refresh(at));
+    this.asked = this.asked ?? requestAnimationFrame((at) => this.refresh(at));
   }
 
   // The one goes that leaves the shortest gap, so that the others are still

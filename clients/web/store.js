@@ -61,7 +61,7 @@ export class Store {
   }
 
   get state() {
-    this.now ??= this.asked.reduce(applied, this.told);
+    this.now = this.now ?? this.asked.reduce(applied, this.told);
     return this.now;
   }
 

@@ -31,7 +31,7 @@ export function followTrains(before, after) {
   list.forEach((train, i) => {
     if (!train[MARK]) {
       take(train, same && trains(before)[i]);
-      train[MARK] ??= ++marks;
+      train[MARK] = train[MARK] ?? ++marks;
     }
   });
 }
@@ -101,7 +101,7 @@ export class Swell {
         this.mark = Number(v);
         panel.show(true);
       } });
-    choice.node.classList.add("with-button");
+    choice.node.classList.add("with-button", "with-pair");
     const pair = document.createElement("span");
     pair.className = "pair";
     pair.dataset.needs = "sea.swell";

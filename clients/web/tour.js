@@ -5,7 +5,8 @@
 const KEY = "pelagos-tour";
 const STEPS = [
   ["Look around", "Drag a picture, or use the arrow keys when it is chosen; " +
-    "the wheel, or + and −, zooms. F fills the screen.", "#views"],
+    "Ctrl and the wheel, or + and −, zoom. F fills the screen, where the " +
+    "wheel zooms alone.", "#views"],
   ["Change the sea", "Beside the pictures: scenes and presets, wind, weather, " +
     "time of day. The picture follows at once, for everybody who watches.",
   "#aside"],

@@ -87,8 +87,13 @@ export class Traffic {
     this.kind = byId("add-model");
     // Files that came since are listed too.
     this.kind.addEventListener("focus", () => this.catalogue.load());
-    this.kind.addEventListener("change", () => this.arm(true));
-    byId("add").addEventListener("click", () => this.arm(!this.armed));
+    // Choosing arms; who then presses the button means the same.
+    this.kind.addEventListener("change", () => {
+      this.arm(true);
+      this.chose = true;
+    });
+    byId("add").addEventListener("click", () =>
+      this.arm(this.chose || !this.armed));
     byId("go-on").addEventListener("click", () => this.goOn());
     byId("clear").addEventListener("click", () => this.askClear());
   }
@@ -113,6 +118,7 @@ export class Traffic {
   }
 
   arm(on) {
+    this.chose = false;
     this.armed = on && this.catalogue.models.length > 0;
     byId("add").setAttribute("aria-pressed", String(this.armed));
     this.plan.canvas.classList.toggle("adding", this.armed);

@@ -27,8 +27,11 @@ async function refusal() {
   return answer?.supported ? "" : "this browser does not decode H.264";
 }
 
-// Why this browser cannot play video, or "".
-export const noVideo = await refusal();
+// Why this browser cannot play video, or ""; once videoKnown has come.
+export let noVideo = "";
+export const videoKnown = refusal().then((why) => {
+  noVideo = why;
+});
 
 // The codec string that a key frame's SPS calls for.
 function codecOf(data) {

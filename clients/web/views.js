@@ -17,6 +17,9 @@ const STREAMS = { mjpeg: 4, webcodecs: MOST_VIDEOS, whep: MOST_VIDEOS,
 const TURN_MS = 150;
 const PHONE_PX = 992;
 const GAP_PX = 14;
+// Tiles no wider than these leave out facts of their picture.
+const NARROW_PX = 510;
+const SLIM_PX = 315;
 // Pictures may be so much smaller than they could be, for rows that are filled
 // and in the order of what one sees.
 const ROW_SHARE = 0.72;
@@ -41,6 +44,22 @@ function corners() {
   path.setAttribute("d", "M2 6V2h4M10 2h4v4M14 10v4h-4M6 14H2v-4");
   svg.append(path);
   return svg;
+}
+
+// What has room beside a view's name; and its picture's height, which browsers
+// that know aspect-ratio find by themselves.
+export function fitted(node, view) {
+  const fit = () => {
+    const across = node.clientWidth;
+    const { width, height } = view();
+    node.classList.toggle("narrow", across <= NARROW_PX);
+    node.classList.toggle("slim", across <= SLIM_PX);
+    if (!CSS.supports("aspect-ratio", "1")) {
+      node.style.setProperty("--tall", `${across * height / width}px`);
+    }
+  };
+  // Not while sizes are told: older browsers complain of the change.
+  new ResizeObserver(() => requestAnimationFrame(fit)).observe(node);
 }
 
 class Tile {
@@ -73,6 +92,7 @@ class Tile {
     this.look = new Look(view.name, grid.store,
       (field) => grid.limits(field));
     this.showWay();
+    fitted(this.node, () => this.view);
     this.node.addEventListener("focusin", () => grid.choose(this.name));
     this.node.addEventListener("pointerdown", () => grid.choose(this.name));
     followPointers(this.glass, { look: this.look, view: () => this.view,
@@ -240,7 +260,13 @@ export class Views {
       this.arrange();
     }, { rootMargin: "80px" });
     document.addEventListener("visibilitychange", () => this.arrange());
-    document.addEventListener("fullscreenchange", () => this.arrange());
+    document.addEventListener("fullscreenchange", () => {
+      for (const tile of this.tiles.values()) {
+        tile.node.classList.toggle("whole",
+          document.fullscreenElement === tile.node);
+      }
+      this.arrange();
+    });
     new ResizeObserver(() => this.lay()).observe(node);
     addEventListener("resize", () => this.lay());
     setTimeout(() => this.takeTurns(), TURN_MS);

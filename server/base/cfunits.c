@@ -43,7 +43,7 @@ static const struct base {
 static const struct {
     const char *names;
     double seconds;
-} times[] = {
+} clocks[] = {
     { " s sec secs second seconds ", 1 },
     { " ms msec msecs millisecond milliseconds ", 1e-3 },
     { " us usec microsecond microseconds ", 1e-6 },
@@ -67,9 +67,9 @@ static bool among(const char *list, const char *word, size_t length)
 
 double pel_cf_unit_s(const char *unit, size_t length)
 {
-    for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
-        if (among(times[i].names, unit, length)) {
-            return times[i].seconds;
+    for (size_t i = 0; i < sizeof clocks / sizeof *clocks; i++) {
+        if (among(clocks[i].names, unit, length)) {
+            return clocks[i].seconds;
         }
     }
     return 0;
@@ -141,52 +141,95 @@ static void join_names(const char *unit, char out[96])
     }
 }
 
+static void times(struct pel_cf_power *to, const struct pel_cf_power *by, int n)
+{
+    to->metres += n * by->metres;
+    to->seconds += n * by->seconds;
+    to->radians += n * by->radians;
+    to->factor *= pow(by->factor, n);
+}
+
+/* A name, a number, or a product in brackets, with what is behind it. */
+static bool factor_of(const char **at, struct pel_cf_power *out, bool *named,
+                      int depth);
+
+/* Up to the end, or the bracket that closes it. As UDUNITS has it, / and per
+ * are of the next factor alone. */
+static bool product(const char **at, struct pel_cf_power *out, bool *named,
+                    int depth)
+{
+    int sign = 1;
+    *out = (struct pel_cf_power){ 0, 0, 0, 1 };
+    while (**at && **at != ')') {
+        struct pel_cf_power one;
+        size_t length = letters(*at);
+        if (length == 0 && strchr(" .*", **at)) {
+            ++*at;
+        } else if (**at == '/' ||
+                   (length == 3 && !strncasecmp(*at, "per", 3))) {
+            if (sign < 0) {
+                return false;
+            }
+            sign = -1;
+            *at += length ? length : 1;
+        } else {
+            if (!factor_of(at, &one, named, depth)) {
+                return false;
+            }
+            times(out, &one, sign);
+            sign = 1;
+        }
+    }
+    return sign > 0;
+}
+
+static bool factor_of(const char **at, struct pel_cf_power *out, bool *named,
+                      int depth)
+{
+    struct pel_cf_power one;
+    char *end;
+    size_t length = letters(*at);
+    if (length == 0 && **at != '(') {
+        double n = strtod(*at, &end);
+        bool fine = end != *at && n > 0 && isfinite(n);
+        *out = (struct pel_cf_power){ 0, 0, 0, n };
+        *at = end;
+        return fine;
+    }
+    if (length == 0) {
+        ++*at;
+        if (depth == 0 || !product(at, &one, named, depth - 1) || **at != ')') {
+            return false;
+        }
+        ++*at;
+    } else if (!base_of(*at, length, &one)) {
+        return false;
+    }
+    *at += length;
+    *named = true;
+    int n = exponent(at);
+    *out = (struct pel_cf_power){ 0, 0, 0, 1 };
+    times(out, &one, n);
+    return n >= -4 && n <= 4;
+}
+
 bool pel_cf_product(const char *unit, struct pel_cf_power *out)
 {
     char text[96];
-    int sign = 1;
-    bool any = false;
-    *out = (struct pel_cf_power){ 0, 0, 0, 1 };
+    const char *at = text;
+    bool named = false;
     if (strlen(unit) >= sizeof text) {
         return false;
     }
     join_names(unit, text);
-    for (const char *at = text; *at;) {
-        struct pel_cf_power one;
-        char *end;
-        size_t length = letters(at);
-        if (length == 0 && strchr(" .*", *at)) {
-            at++;
-        } else if (*at == '/' || (length == 3 && !strncasecmp(at, "per", 3))) {
-            sign = -1;
-            at += length ? length : 1;
-        } else if (length == 0) {
-            double n = strtod(at, &end);
-            if (end == at || !(n > 0) || !isfinite(n)) {
-                return false;
-            }
-            out->factor *= sign > 0 ? n : 1 / n;
-            at = end;
-        } else {
-            if (!base_of(at, length, &one)) {
-                return false;
-            }
-            at += length;
-            int n = sign * exponent(&at);
-            out->metres += n * one.metres;
-            out->seconds += n * one.seconds;
-            out->radians += n * one.radians;
-            out->factor *= pow(one.factor, n);
-            any = true;
-        }
-    }
-    return any;
+    return product(&at, out, &named, 4) && !*at && named;
 }
 
 /* "degrees_true", "degree (clockwise from north)", "radians". */
 static bool angle(const char *unit, double *factor)
 {
-    static const char first[] = " deg degs degr degree degrees \u00b0 degt ";
+    static const char first[] = " deg degs degr degree degrees \u00b0 degt "
+                                "degreet degreest ";
     static const char radians[] = " rad rads radian radians ";
     static const char rest[] = " true t north clockwise cw from compass "
                                "nautical meteorological ";

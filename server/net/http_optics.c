@@ -20,8 +20,13 @@ enum pel_err pel_http_number(ProtobufCMessage *message, const char *name,
         return pel_fault_value(fault, PEL_ERR_NOT_FOUND, name, text,
                                "no such parameter");
     }
-    if (scalar_parse_number(field, text, pel_message_member(message, field)) !=
-        SCALAR_OK) {
+    const bool truth = strcmp(text, "true") == 0;
+    if (field->type == PROTOBUF_C_TYPE_BOOL &&
+        (truth || strcmp(text, "false") == 0)) {
+        *(protobuf_c_boolean *)pel_message_member(message, field) = truth;
+    } else if (scalar_parse_number(field, text,
+                                   pel_message_member(message, field)) !=
+               SCALAR_OK) {
         char expected[120], what[160];
         snprintf(what, sizeof what, "must be %s",
                  scalar_expects(field, expected));

@@ -105,7 +105,8 @@ static void add_points(const struct pel_series_table *table,
             values[i] = k ? p->north : p->east;
         }
         Pelagos__SeriesList *list = append(out, "variables");
-        fill(list, info->name, info->unit, info->doc, NULL, values, count);
+        fill(list, info->name, info->unit, info->doc, pel_cf_name(type, field),
+             values, count);
         name_axes(table, false, 1u << PEL_INNER_POINT, list);
     }
 }
@@ -302,8 +303,7 @@ enum pel_err pel_series_file(const struct pel_series_table *table,
         err = rows ? PEL_OK : PEL_ERR_OUT_OF_RANGE;
     } else if (format == PELAGOS__SERIES_FORMAT__NETCDF) {
         answer->type = "application/netcdf";
-        err = pel_series_netcdf(series, origin->epoch_unix_s, &bytes,
-                                &answer->size, fault);
+        err = pel_series_netcdf(series, origin, &bytes, &answer->size, fault);
         answer->data = (char *)bytes;
     } else if (!form->reply) {
         answer->type = "application/json";

@@ -70,8 +70,53 @@ static void describe(struct pel_netcdf *nc, int var,
     }
 }
 
+#define MAPPING "crs"
+
+/* What the places of points are metres of: CF's azimuthal equidistant mapping
+ * about the scene's origin, on WGS 84 (scene/geodesy.h). */
+static void put_mapping(struct pel_netcdf *nc, const Pelagos__State *state)
+{
+    const Pelagos__Origin *o = state->origin;
+    static const struct {
+        const char *name;
+        double value;
+    } wgs84[] = {
+        { "false_easting", 0 },
+        { "false_northing", 0 },
+        { "semi_major_axis", 6378137 },
+        { "inverse_flattening", 298.257223563 },
+        { "longitude_of_prime_meridian", 0 },
+    };
+    int var = pel_netcdf_variable(nc, MAPPING, PEL_NETCDF_DOUBLE, 0, NULL);
+    pel_netcdf_text(nc, var, "long_name", "Map about the scene's origin");
+    pel_netcdf_text(nc, var, "units", "1");
+    pel_netcdf_text(nc, var, "grid_mapping_name", "azimuthal_equidistant");
+    pel_netcdf_number(nc, var, "latitude_of_projection_origin", o->latitude);
+    pel_netcdf_number(nc, var, "longitude_of_projection_origin", o->longitude);
+    for (size_t i = 0; i < G_N_ELEMENTS(wgs84); i++) {
+        pel_netcdf_number(nc, var, wgs84[i].name, wgs84[i].value);
+    }
+    pel_netcdf_text(nc, var, "horizontal_datum_name", "WGS_1984");
+    const double none = 0;
+    pel_netcdf_values(nc, var, &none, 1);
+}
+
+/* Whether points lie about one origin. */
+static bool is_mapped(const Pelagos__Series *s, const Pelagos__State *state)
+{
+    bool points = false, moved = !state || !state->origin;
+    for (size_t i = 0; i < s->n_axes; i++) {
+        const char *name = s->axes[i]->name;
+        points |= strcmp(name, "point") == 0;
+        moved |=
+            strcmp(name, "latitude") == 0 || strcmp(name, "longitude") == 0;
+    }
+    return points && !moved;
+}
+
 static void put_variable(struct pel_netcdf *nc, const Pelagos__Series *s,
-                         const Pelagos__SeriesList *list, const char *since)
+                         const Pelagos__SeriesList *list, const char *since,
+                         bool mapped)
 {
     int dims[PEL_NETCDF_RANK], rank = 0;
     bool points = false;
@@ -90,14 +135,20 @@ static void put_variable(struct pel_netcdf *nc, const Pelagos__Series *s,
     if (points && strcmp(list->name, "east") != 0 &&
         strcmp(list->name, "north") != 0) {
         pel_netcdf_text(nc, var, "coordinates", "east north");
+        if (mapped) {
+            pel_netcdf_text(nc, var, "grid_mapping", MAPPING);
+        }
     }
     pel_netcdf_values(nc, var, list->values, list->n_values);
 }
 
 enum pel_err pel_series_netcdf(const Pelagos__Series *series,
-                               double epoch_unix_s, unsigned char **out,
-                               size_t *size, struct pel_fault *fault)
+                               const struct pel_series_origin *origin,
+                               unsigned char **out, size_t *size,
+                               struct pel_fault *fault)
 {
+    const double epoch_unix_s = origin->epoch_unix_s;
+    const bool mapped = is_mapped(series, origin->state);
     struct pel_netcdf *nc = pel_netcdf_create();
     if (!nc) {
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
@@ -128,7 +179,10 @@ enum pel_err pel_series_netcdf(const Pelagos__Series *series,
         pel_netcdf_values(nc, var, axis->values, axis->n_values);
     }
     for (size_t i = 0; i < series->n_variables; i++) {
-        put_variable(nc, series, series->variables[i], seconds);
+        put_variable(nc, series, series->variables[i], seconds, mapped);
+    }
+    if (mapped) {
+        put_mapping(nc, origin->state);
     }
     return pel_netcdf_end(nc, out, size, fault);
 }

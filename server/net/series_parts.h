@@ -116,7 +116,7 @@ Pelagos__Series *pel_series_message(const struct pel_series_table *table,
                                     const struct pel_series_origin *origin);
 /* The same as NetCDF's bytes. */
 PEL_CHECK enum pel_err pel_series_netcdf(const Pelagos__Series *series,
-                                         double epoch_unix_s,
+                                         const struct pel_series_origin *origin,
                                          unsigned char **out, size_t *size,
                                          struct pel_fault *fault);
 /* CF's name of a field, or NULL. */

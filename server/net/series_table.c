@@ -60,6 +60,7 @@ struct place {
     size_t cell;
     const char *prefix; /* of names */
     const char *about;  /* of texts */
+    const char *unit;   /* of numbers that have none of their own, or NULL */
     unsigned inner;
     size_t index; /* in the inner dimensions */
 };
@@ -104,7 +105,9 @@ column(struct pel_series_table *table, const struct place *at,
        const ProtobufCFieldDescriptor *field, unsigned inner)
 {
     const struct pel_field *info = pel_field_info(message, field);
-    struct pel_series_column new = { .unit = info->unit,
+    bool plain = !info->unit || strcmp(info->unit, "1") == 0;
+    struct pel_series_column new = { .unit = plain && at->unit ? at->unit
+                                                               : info->unit,
                                      .message = message,
                                      .field = field,
                                      .inner = inner,
@@ -275,6 +278,7 @@ static enum pel_err take_message(struct pel_series_table *table,
         *(ProtobufCMessage *const *)pel_message_member(message, field);
     const struct pel_field *info = pel_field_info(message->descriptor, field);
     struct place below = *at;
+    below.unit = info->unit; /* a vector's numbers have that of the vector */
     g_autofree char *prefix = g_strdup_printf("%s%s_", at->prefix, info->name);
     bool one_of = field->flags & PROTOBUF_C_FIELD_FLAG_ONEOF;
     if (!one_of) {

@@ -276,13 +276,38 @@ static enum pel_err densities(const struct series *s, const char *station,
         ok = s->frequency_hz[i] >= 0.005 && s->frequency_hz[i] <= 2 &&
              (i == 0 || s->frequency_hz[i] > s->frequency_hz[i - 1]);
         out->frequency_hz[i] = s->frequency_hz[i];
-        out->density[i] = s->value[i] < MISSING ? s->value[i] : 0;
+        out->density[i] = s->value[i] < MISSING ? s->value[i] : NAN;
     }
     return ok ? PEL_OK
               : pel_fault_set(fault, PEL_ERR_MALFORMED,
                               "%s: needs at least 3 frequencies, rising, 0.005 "
                               "to 2 Hz",
                               station);
+}
+
+/* Without the bands that are missing; all of them are no calm sea. */
+static enum pel_err leave_out(struct pel_measured *m, const char *station,
+                              struct pel_fault *fault)
+{
+    int n = 0, all = m->count;
+    for (int i = 0; i < all; i++) {
+        if (!isnan(m->density[i])) {
+            m->frequency_hz[n] = m->frequency_hz[i];
+            m->density[n] = m->density[i];
+            m->alpha1_rad[n] = m->alpha1_rad[i];
+            m->alpha2_rad[n] = m->alpha2_rad[i];
+            m->r1[n] = m->r1[i];
+            m->r2[n] = m->r2[i];
+            n++;
+        }
+    }
+    m->count = n;
+    return n >= 3 ? PEL_OK
+                  : pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                                  "%s: of the record's %d bands %d have a "
+                                  "density, at least 3 must: choose another "
+                                  "measuredTime",
+                                  station, all, n);
 }
 
 enum pel_err pel_ndbc_read(const char *directory, const char *station,
@@ -320,6 +345,9 @@ enum pel_err pel_ndbc_read(const char *directory, const char *station,
     }
     if (!err && directions) {
         err = take(four, station, &found, fault);
+    }
+    if (!err) {
+        err = leave_out(&found, station, fault);
     }
     if (!err) {
         *out = found;

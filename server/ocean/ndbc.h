@@ -17,11 +17,11 @@
  * minutes from it, as waves that travel to, mathematical. `station` is 1 to 32
  * of A-Z a-z 0-9 _ -; it never names another directory. Directions that the
  * buoy did not report (999, MM), or has no files of, become r1 = r2 = 0, all
- * directions alike.
+ * directions alike; bands without a density are left out.
  * *record_unix_s (NULL allowed): the record's time.
- * INVALID: no such name; NOT_FOUND: no such file or record; MALFORMED: a file
- * that is not of this form or is longer than the limit; IO. *fault names the
- * file and the line. */
+ * INVALID: no such name; NOT_FOUND: no such file or record, or one without
+ * three bands; MALFORMED: a file that is not of this form or is longer than the
+ * limit; IO. *fault names the file and the line. */
 PEL_CHECK enum pel_err pel_ndbc_read(const char *directory, const char *station,
                                      double unix_s, struct pel_measured *out,
                                      double *record_unix_s,

@@ -1,6 +1,7 @@
 /* Measured and modelled wave spectra in files of others' forms, read by
  * pelagos-spectrum, a process of its own (base/helper.h): WAVEWATCH III and
- * SWAN as text and NetCDF, ERA5 and NDBC as NetCDF, NDBC's historical text. */
+ * SWAN as text and NetCDF, ERA5, NDBC and CDIP as NetCDF, NDBC's historical
+ * text, Datawell's .spt, Spotter's JSON. */
 #pragma once
 
 #include "base/err.h"

@@ -12,6 +12,7 @@ setup(
         (f"share/{NAME}/launch", ["launch/bridge.launch.py"]),
         (f"share/{NAME}/config", ["config/bridge.yaml"]),
     ],
+    python_requires=">=3.10",
     install_requires=["setuptools"],
     zip_safe=True,
     maintainer="Pelagos",

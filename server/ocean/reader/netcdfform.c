@@ -1,5 +1,6 @@
 /* Spectra in NetCDF, by the names and units of their variables: WAVEWATCH III
- * (efth), SWAN (density), ERA5 (d2fd), NDBC (spectral_wave_density). */
+ * (efth), SWAN (density), ERA5 (d2fd), NDBC (spectral_wave_density), CDIP
+ * (waveEnergyDensity), and any with CF's standard_name of such a density. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -8,7 +9,9 @@
 #include <netcdf.h>
 #include <sys/stat.h>
 
+#include "base/cf.h"
 #include "base/vec.h"
+#include "ocean/reader/buoy.h"
 #include "ocean/reader/shelf.h"
 
 #define MOST_CELLS ((size_t)PEL_MEASURED_MOST * PEL_SHELF_DIRECTIONS)
@@ -23,6 +26,8 @@ struct file {
     int rank, dims[NC_MAX_VAR_DIMS];
     struct axis time, frequency, direction, station, latitude, longitude;
     bool logarithms; /* ERA5 */
+    bool cdip;
+    bool radians, periods; /* what its frequencies are in; neither: Hz */
 };
 
 static enum pel_err bad(const char *what, struct pel_fault *fault)
@@ -82,6 +87,31 @@ static bool whole(const struct file *f, const char *name, size_t size,
     return unpacked(f, var, &zero, &size, size, out);
 }
 
+static const char *dim_name(const struct file *f, int dim,
+                            char out[NC_MAX_NAME + 1])
+{
+    return nc_inq_dim(f->id, f->dims[dim], out, NULL) ? "" : out;
+}
+
+/* The coordinate of an axis: called like its dimension, or by another of the
+ * names. */
+static const char *coordinate(const struct file *f, struct axis axis,
+                              const char *const *names, double *out,
+                              char units[80])
+{
+    static char name[NC_MAX_NAME + 1];
+    if (axis.dim >= 0 &&
+        whole(f, dim_name(f, axis.dim, name), axis.size, out, units)) {
+        return name;
+    }
+    for (; *names; names++) {
+        if (whole(f, *names, axis.size, out, units)) {
+            return *names;
+        }
+    }
+    return NULL;
+}
+
 static struct axis axis_of(const struct file *f, const char *const *names)
 {
     for (int i = 0; i < f->rank; i++) {
@@ -99,28 +129,55 @@ static struct axis axis_of(const struct file *f, const char *const *names)
     return (struct axis){ -1, 1 };
 }
 
-static enum pel_err find(struct file *f, struct pel_fault *fault)
+static const char *const times[] = { "time", "valid_time", "waveTime", NULL },
+                         *const frequencies[] = { "frequency",       "freq",
+                                                  "waveFrequency",   "f",
+                                                  "frequencyNumber", NULL },
+                         *const directions[] = { "direction",       "dir",
+                                                 "directions",      "theta",
+                                                 "directionNumber", NULL },
+                         *const stations[] = { "station", "points", "site",
+                                               NULL },
+                         *const latitudes[] = { "latitude", "lat", NULL },
+                         *const longitudes[] = { "longitude", "lon", NULL };
+
+/* By its name, else by CF's. */
+static void find_density(struct file *f)
 {
-    static const char *const densities[] = { "efth", "density", "d2fd",
-                                             "spectral_wave_density" };
-    static const char *const times[] = { "time", "valid_time", NULL },
-                             *const frequencies[] = { "frequency", "freq",
-                                                      NULL },
-                             *const directions[] = { "direction", "dir", NULL },
-                             *const stations[] = { "station", "points", "site",
-                                                   NULL },
-                             *const latitudes[] = { "latitude", "lat", NULL },
-                             *const longitudes[] = { "longitude", "lon", NULL };
-    f->density = -1;
-    for (size_t i = 0; i < 4 && f->density < 0; i++) {
-        if (nc_inq_varid(f->id, densities[i], &f->density) == 0) {
+    static const char *const names[] = { "efth", "density", "d2fd",
+                                         "spectral_wave_density",
+                                         "waveEnergyDensity" };
+    static const char *const standards[] = {
+        "sea_surface_wave_directional_variance_spectral_density",
+        "sea_surface_wave_variance_spectral_density"
+    };
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        if (nc_inq_varid(f->id, names[i], &f->density) == 0) {
             f->logarithms = i == 2;
-        } else {
-            f->density = -1;
+            f->cdip = i == 4;
+            return;
         }
     }
+    int count = 0;
+    nc_inq_nvars(f->id, &count);
+    for (size_t i = 0; i < 2; i++) {
+        for (f->density = 0; f->density < count; f->density++) {
+            char name[80];
+            attribute(f, f->density, "standard_name", name);
+            if (strcmp(name, standards[i]) == 0) {
+                return;
+            }
+        }
+    }
+    f->density = -1;
+}
+
+static enum pel_err find(struct file *f, struct pel_fault *fault)
+{
+    find_density(f);
     if (f->density < 0) {
-        return bad("has no efth, density, d2fd or spectral_wave_density",
+        return bad("has no efth, density, d2fd, spectral_wave_density or "
+                   "waveEnergyDensity",
                    fault);
     }
     if (nc_inq_varndims(f->id, f->density, &f->rank) || f->rank > 6 ||
@@ -150,58 +207,35 @@ static enum pel_err find(struct file *f, struct pel_fault *fault)
     return PEL_OK;
 }
 
-/* "seconds since 1970-01-01T00:00:00Z" */
-static bool clock_of(const char *units, double *step_s, double *epoch_s)
-{
-    static const struct {
-        const char *word;
-        double s;
-    } steps[] = { { "seconds since ", 1 },
-                  { "second since ", 1 },
-                  { "minutes since ", 60 },
-                  { "hours since ", 3600 },
-                  { "days since ", 86400 } };
-    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
-        size_t length = strlen(steps[i].word);
-        if (strncmp(units, steps[i].word, length) == 0) {
-            int y, m, d, hour = 0, minute = 0;
-            double second = 0;
-            if (sscanf(units + length, "%4d-%2d-%2d%*[ T]%2d:%2d:%lf", &y, &m,
-                       &d, &hour, &minute, &second) < 3) {
-                return false;
-            }
-            *step_s = steps[i].s;
-            *epoch_s =
-                pel_shelf_unix(y, m, d, 3600.0 * hour + 60.0 * minute + second);
-            return isfinite(*epoch_s);
-        }
-    }
-    return false;
-}
-
 static enum pel_err choose_time(const struct file *f,
                                 const struct pel_want *want, size_t *at,
                                 double *unix_s, struct pel_fault *fault)
 {
-    static double times[PEL_SHELF_TIMES];
-    char units[80];
-    double step, epoch;
-    if (!whole(f, "time", f->time.size, times, units) &&
-        !whole(f, "valid_time", f->time.size, times, units)) {
+    static double when[PEL_SHELF_TIMES];
+    char units[80], calendar[80] = "";
+    int var;
+    const char *name = coordinate(f, f->time, times, when, units);
+    if (!name) {
         return bad("has no time", fault);
     }
-    if (!clock_of(units, &step, &epoch)) {
-        return bad("has times in no unit as seconds since 1970-01-01", fault);
+    if (nc_inq_varid(f->id, name, &var) == 0) {
+        attribute(f, var, "calendar", calendar);
     }
     for (size_t i = 0; i < f->time.size; i++) {
-        times[i] = epoch + step * times[i];
+        if (isfinite(when[i])) {
+            enum pel_err err = pel_cf_time(units, *calendar ? calendar : NULL,
+                                           when[i], &when[i], fault);
+            if (err) {
+                return err;
+            }
+        }
     }
-    int chosen = pel_shelf_time(want, times, f->time.size, fault);
+    int chosen = pel_shelf_time(want, when, f->time.size, fault);
     if (chosen < 0) {
         return PEL_ERR_NOT_FOUND;
     }
     *at = (size_t)chosen;
-    *unix_s = times[chosen];
+    *unix_s = when[chosen];
     return PEL_OK;
 }
 
@@ -228,8 +262,8 @@ static enum pel_err list_places(const struct file *f, struct pel_place *places,
     static double a[PEL_SHELF_STATIONS], b[PEL_SHELF_STATIONS];
     char units[80];
     if (f->latitude.dim >= 0 && f->longitude.dim >= 0) {
-        if (!whole(f, "latitude", f->latitude.size, a, units) ||
-            !whole(f, "longitude", f->longitude.size, b, units)) {
+        if (!coordinate(f, f->latitude, latitudes, a, units) ||
+            !coordinate(f, f->longitude, longitudes, b, units)) {
             return bad("has no latitude and longitude", fault);
         }
         *count = f->latitude.size * f->longitude.size;
@@ -269,13 +303,158 @@ static enum pel_err list_places(const struct file *f, struct pel_place *places,
     return PEL_OK;
 }
 
+/* To Hz, from radians a second and from periods as well; rising. */
+static enum pel_err frequency_unit(struct file *f, const char *units,
+                                   double *frequency, struct pel_fault *fault)
+{
+    struct pel_cf_power p = { 0, -1, 0, 1 };
+    bool known = !*units || pel_cf_product(units, &p);
+    f->radians = p.seconds == -1 && p.radians == 1;
+    f->periods = p.seconds == 1;
+    known = known && p.metres == 0 &&
+            ((p.radians == 0 && abs(p.seconds) == 1) || f->radians);
+    if (!known) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "its frequencies are in \"%.40s\"; Hz, rad/s or s "
+                             "are read: ncatted -a units,frequency,o,c,Hz FILE",
+                             units);
+    }
+    for (size_t i = 0; i < f->frequency.size; i++) {
+        double v = frequency[i] * p.factor;
+        frequency[i] = f->radians ? v / (2 * PEL_PI) : f->periods ? 1 / v : v;
+    }
+    return PEL_OK;
+}
+
+/* Directions in degrees or radians, to or from; each has to be said. */
+static enum pel_err ways(const struct file *f, const char *variable,
+                         const char *units, double *to, struct pel_fault *fault)
+{
+    char name[80] = "", words[80] = "";
+    double unit = 1;
+    int var;
+    if (nc_inq_varid(f->id, variable, &var) == 0) {
+        attribute(f, var, "standard_name", name);
+        attribute(f, var, "long_name", words);
+    }
+    if (!pel_cf_unit(*units ? units : "degree", PEL_CF_DEG, &unit)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "its directions are in \"%.40s\"; degrees or "
+                             "radians are read: ncatted -a "
+                             "units,%.30s,o,c,degree FILE",
+                             units, variable);
+    }
+    bool from = strstr(name, "from_direction") || strstr(words, "from");
+    bool goes = strstr(name, "to_direction") || strstr(words, " to ") ||
+                strstr(words, "toward");
+    if (strstr(name, "_direction") && (from || goes)) {
+        from = strstr(name, "from_direction") != NULL;
+        goes = strstr(name, "to_direction") != NULL;
+    }
+    if (from == goes) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "its %.30s does not say whether waves come from "
+                             "there or go there: ncatted -a standard_name,"
+                             "%.30s,o,c,sea_surface_wave_from_direction FILE "
+                             "(or …_to_direction)",
+                             variable, variable);
+    }
+    double widest = 0;
+    for (size_t k = 0; k < f->direction.size; k++) {
+        widest = fmax(widest, fabs(to[k]));
+        to[k] = (from ? 1.5 : 0.5) * PEL_PI - unit * PEL_DEG * to[k];
+    }
+    return !*units && widest < 7
+               ? pel_fault_set(fault, PEL_ERR_INVALID,
+                               "its %.30s, up to %g, does not say its unit: "
+                               "ncatted -a units,%.30s,o,c,radian FILE",
+                               variable, widest, variable)
+               : PEL_OK;
+}
+
+/* What the densities' unit makes of a metre, Hz and rad; *by_frequency 1 where
+ * they are for each Hz, −1 for each second of period, 0: for each rad/s. */
+static enum pel_err density_unit(struct file *f, double *factor,
+                                 int *by_frequency, struct pel_fault *fault)
+{
+    char units[80];
+    struct pel_cf_power p;
+    int of_angle = f->direction.dim >= 0 ? -1 : 0;
+    attribute(f, f->density, "units", units);
+    *factor = 1;
+    *by_frequency = 1;
+    if (!*units || f->logarithms) {
+        return f->radians || f->periods
+                   ? pel_fault_set(fault, PEL_ERR_INVALID,
+                                   "its densities do not say their unit, and "
+                                   "its frequencies are not in Hz: ncatted -a "
+                                   "units,density,o,c,'m2 s rad-2' FILE")
+                   : PEL_OK;
+    }
+    bool known = pel_cf_product(units, &p) && p.metres == 2;
+    bool says_hz = strstr(units, "Hz") || strstr(units, "hertz");
+    if (known && p.seconds == 1 && p.radians == of_angle &&
+        (!f->radians || says_hz)) {
+        *by_frequency = 1;
+    } else if (known && p.seconds == 1 && p.radians == of_angle - 1 &&
+               !says_hz) {
+        *by_frequency = 0;
+    } else if (known && p.seconds == -1 && p.radians == of_angle &&
+               f->periods && !says_hz) {
+        *by_frequency = -1;
+    } else {
+        return pel_fault_set(
+            fault, PEL_ERR_INVALID,
+            "its densities are in \"%.50s\"; %s: ncatted -a units,VARIABLE,o,c,"
+            "'%s' FILE",
+            units,
+            of_angle ? "m2/Hz/rad or, for each rad/s, m2 s/rad2 are read"
+                     : "m2/Hz or, for each rad/s, m2 s/rad are read",
+            of_angle ? "m2 s rad-1" : "m2/Hz");
+    }
+    *factor = p.factor;
+    return PEL_OK;
+}
+
+static void swap(double *a, double *b)
+{
+    double other = *a;
+    *a = *b;
+    *b = other;
+}
+
+/* Densities, by frequency and then direction, to m²/Hz/rad, of rising
+ * frequencies. */
+static enum pel_err make_densities(struct file *f, double *frequency,
+                                   double *density, struct pel_fault *fault)
+{
+    double factor;
+    int by;
+    size_t nf = f->frequency.size, nd = f->direction.size;
+    enum pel_err err = density_unit(f, &factor, &by, fault);
+    for (size_t i = 0; i < nf && !err; i++) {
+        double t = 1 / frequency[i];
+        double one = by == 0 ? 2 * PEL_PI : by < 0 ? t * t : 1;
+        for (size_t k = 0; k < nd; k++) {
+            density[i * nd + k] *= factor * one;
+        }
+    }
+    bool falls = frequency[nf - 1] < frequency[0];
+    for (size_t i = 0; i < nf / 2 && !err && falls; i++) {
+        swap(&frequency[i], &frequency[nf - 1 - i]);
+        for (size_t k = 0; k < nd; k++) {
+            swap(&density[i * nd + k], &density[(nf - 1 - i) * nd + k]);
+        }
+    }
+    return err;
+}
+
 /* ERA5 counts its frequencies and directions: 0.03453 Hz · 1.1^(i−1), and
  * 7.5° + 15° (k−1) that waves go to (ECMWF, 2D wave spectra). */
-static enum pel_err axes(const struct file *f, double *frequency, double *to,
+static enum pel_err axes(struct file *f, double *frequency, double *to,
                          struct pel_fault *fault)
 {
-    char units[80], name[80] = "";
-    int var;
+    char units[80];
     size_t nd = f->direction.size;
     if (f->logarithms) {
         if (f->frequency.size != 30 || nd != 24) {
@@ -290,28 +469,16 @@ static enum pel_err axes(const struct file *f, double *frequency, double *to,
         }
         return PEL_OK;
     }
-    if (!whole(f, "frequency", f->frequency.size, frequency, units) &&
-        !whole(f, "freq", f->frequency.size, frequency, units)) {
+    if (!coordinate(f, f->frequency, frequencies, frequency, units)) {
         return bad("has no frequency", fault);
     }
-    if (f->direction.dim < 0) {
-        return PEL_OK;
+    enum pel_err err = frequency_unit(f, units, frequency, fault);
+    if (err || f->direction.dim < 0) {
+        return err;
     }
-    const char *variable = "direction";
-    if (!whole(f, variable, nd, to, units)) {
-        variable = "dir";
-        if (!whole(f, variable, nd, to, units)) {
-            return bad("has no direction", fault);
-        }
-    }
-    nc_inq_varid(f->id, variable, &var);
-    attribute(f, var, "standard_name", name);
-    bool from = strstr(name, "from") != NULL;
-    double unit = strncmp(units, "rad", 3) == 0 ? 1.0 : PEL_DEG;
-    for (size_t k = 0; k < nd; k++) {
-        to[k] = (from ? 1.5 : 0.5) * PEL_PI - unit * to[k];
-    }
-    return PEL_OK;
+    const char *name = coordinate(f, f->direction, directions, to, units);
+    return name ? ways(f, name, units, to, fault)
+                : bad("has no direction", fault);
 }
 
 /* What is chosen of a variable with the density's axes, by frequency and then
@@ -343,43 +510,94 @@ static bool part(const struct file *f, int var, size_t time, size_t place,
     return true;
 }
 
-/* A buoy's: by moments, all or none. */
-static enum pel_err buoy(const struct file *f, const double *frequency,
-                         size_t time, size_t place, struct pel_measured *out,
-                         struct pel_fault *fault)
+/* A number of each band, NAN where it is missing or there is none. */
+static bool band_numbers(const struct file *f, const char *name, size_t time,
+                         size_t place, double *out)
 {
-    static const char *const names[] = { "spectral_wave_density",
-                                         "mean_wave_dir", "principal_wave_dir",
+    int var = 0, rank = 0;
+    bool there = nc_inq_varid(f->id, name, &var) == 0 &&
+                 nc_inq_varndims(f->id, var, &rank) == 0 && rank == f->rank &&
+                 part(f, var, time, place, out);
+    for (size_t k = 0; k < f->frequency.size && !there; k++) {
+        out[k] = NAN;
+    }
+    return there;
+}
+
+/* NDBC's: angles and radii, which count where all four are in their ranges. */
+static void take_polar(const struct file *f, size_t time, size_t place,
+                       struct pel_bands *b)
+{
+    static const char *const names[] = { "mean_wave_dir", "principal_wave_dir",
                                          "wave_spectrum_r1",
                                          "wave_spectrum_r2" };
-    static double v[5][PEL_MEASURED_MOST];
-    int n = (int)f->frequency.size;
-    bool all = true;
-    for (int i = 0; i < 5; i++) {
-        int var = 0, rank = 0;
-        bool there = nc_inq_varid(f->id, names[i], &var) == 0 &&
-                     nc_inq_varndims(f->id, var, &rank) == 0 &&
-                     rank == f->rank && part(f, var, time, place, v[i]);
-        all = all && there;
-        if (i == 0 && !there) {
-            return bad("cannot be read", fault);
+    static double v[4][PEL_MEASURED_MOST];
+    for (int i = 0; i < 4; i++) {
+        band_numbers(f, names[i], time, place, v[i]);
+    }
+    for (int k = 0; k < b->count; k++) {
+        if (v[0][k] >= 0 && v[0][k] <= 360 && v[2][k] >= 0 && v[2][k] <= 1) {
+            b->alpha1_rad[k] = pel_goes_to_rad(v[0][k]);
+            b->r1[k] = v[2][k];
+        }
+        if (v[1][k] >= 0 && v[1][k] <= 360 && v[3][k] >= 0 && v[3][k] <= 1) {
+            b->alpha2_rad[k] = pel_goes_to_rad(v[1][k]);
+            b->r2[k] = v[3][k];
         }
     }
-    out->count = n;
-    for (int k = 0; k < n; k++) {
-        bool known = all && v[1][k] >= 0 && v[1][k] <= 360 && v[2][k] >= 0 &&
-                     v[2][k] <= 360 && v[3][k] >= 0 && v[3][k] <= 1 &&
-                     v[4][k] >= 0 && v[4][k] <= 1;
-        out->frequency_hz[k] = frequency[k];
-        out->density[k] = v[0][k] > 0 ? v[0][k] : 0;
-        out->alpha1_rad[k] =
-            known ? remainder(270.0 - v[1][k], 360.0) * PEL_DEG : 0;
-        out->alpha2_rad[k] =
-            known ? remainder(270.0 - v[2][k], 360.0) * PEL_DEG : 0;
-        out->r1[k] = known ? v[3][k] : 0;
-        out->r2[k] = known ? v[4][k] : 0;
+}
+
+/* CDIP's: Fourier coefficients of the direction waves come from, from north,
+ * clockwise; bad records are flagged. */
+static enum pel_err take_coefficients(const struct file *f, size_t time,
+                                      size_t place, struct pel_bands *b,
+                                      struct pel_fault *fault)
+{
+    static const char *const names[] = { "waveA1Value", "waveB1Value",
+                                         "waveA2Value", "waveB2Value" };
+    static double v[4][PEL_MEASURED_MOST];
+    int var;
+    signed char flag = 1;
+    if (nc_inq_varid(f->id, "waveFlagPrimary", &var) == 0 &&
+        nc_get_var1_schar(f->id, var, &time, &flag) == 0 && flag > 2) {
+        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                             "CDIP flags the record as bad (waveFlagPrimary "
+                             "%d): choose another measuredTime",
+                             flag);
     }
-    return pel_shelf_frequencies(frequency, n, fault);
+    for (int i = 0; i < 4; i++) {
+        band_numbers(f, names[i], time, place, v[i]);
+    }
+    for (int k = 0; k < b->count; k++) {
+        double from1 = atan2(v[1][k], v[0][k]) / PEL_DEG;
+        double from2 = 0.5 * atan2(v[3][k], v[2][k]) / PEL_DEG;
+        b->r1[k] = hypot(v[0][k], v[1][k]);
+        b->r2[k] = hypot(v[2][k], v[3][k]);
+        b->alpha1_rad[k] = pel_goes_to_rad(from1);
+        b->alpha2_rad[k] = pel_goes_to_rad(from2);
+    }
+    return PEL_OK;
+}
+
+static enum pel_err buoy(struct file *f, const double *frequency, size_t time,
+                         size_t place, struct pel_measured *out,
+                         struct pel_fault *fault)
+{
+    static struct pel_bands b;
+    pel_bands_init(&b, (int)f->frequency.size);
+    if (!part(f, f->density, time, place, b.density)) {
+        return bad("cannot be read", fault);
+    }
+    for (int k = 0; k < b.count; k++) {
+        b.frequency_hz[k] = frequency[k];
+    }
+    enum pel_err err = make_densities(f, b.frequency_hz, b.density, fault);
+    if (!err && f->cdip) {
+        err = take_coefficients(f, time, place, &b, fault);
+    } else if (!err) {
+        take_polar(f, time, place, &b);
+    }
+    return err ? err : pel_bands_take(&b, out, fault);
 }
 
 static enum pel_err read_file(struct file *f, const struct pel_want *want,
@@ -419,8 +637,10 @@ static enum pel_err read_file(struct file *f, const struct pel_want *want,
         return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
                              "the place has no data then");
     }
-    return pel_shelf_collapse(frequency, (int)f->frequency.size, to,
-                              (int)f->direction.size, cells, out, fault);
+    err = make_densities(f, frequency, cells, fault);
+    return err ? err
+               : pel_shelf_collapse(frequency, (int)f->frequency.size, to,
+                                    (int)f->direction.size, cells, out, fault);
 }
 
 /* A classic file that was cut short reads as zeros: the library does not tell.

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <time.h>
 
 #include "base/vec.h"
@@ -113,6 +114,11 @@ int pel_shelf_place(const struct pel_want *want, const struct pel_place *places,
             return (int)i;
         }
     }
+    for (size_t i = 0; i < count && *want->station; i++) {
+        if (strcasecmp(places[i].name, want->station) == 0) {
+            return (int)i;
+        }
+    }
     if (sscanf(want->station, "%7u%c", &number, &end) == 1 && number >= 1 &&
         number <= count) {
         return (int)number - 1;
@@ -132,6 +138,28 @@ int pel_shelf_place(const struct pel_want *want, const struct pel_place *places,
         }
     }
     return refuse_place(want, places, count, fault);
+}
+
+#define MOST_BYTES ((size_t)256 << 20)
+
+char *pel_shelf_text(const char *path)
+{
+    FILE *f = fopen(path, "rb");
+    long size = 0;
+    char *bytes = NULL;
+    if (f && fseek(f, 0, SEEK_END) == 0 && (size = ftell(f)) >= 0 &&
+        (size_t)size <= MOST_BYTES && fseek(f, 0, SEEK_SET) == 0) {
+        bytes = calloc((size_t)size + 1, 1);
+        if (bytes && (fread(bytes, 1, (size_t)size, f) != (size_t)size ||
+                      memchr(bytes, 0, (size_t)size))) {
+            free(bytes);
+            bytes = NULL;
+        }
+    }
+    if (f) {
+        fclose(f);
+    }
+    return bytes;
 }
 
 enum pel_err pel_shelf_frequencies(const double *frequency_hz, int nf,

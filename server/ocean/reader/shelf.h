@@ -13,7 +13,7 @@
 #define PEL_SHELF_DIRECTIONS 720
 
 struct pel_place {
-    char name[40];              /* "": none */
+    char name[64];              /* "": none */
     double latitude, longitude; /* NAN: unknown */
 };
 
@@ -57,7 +57,12 @@ typedef enum pel_err pel_shelf_form(const char *path,
 PEL_CHECK pel_shelf_form pel_read_swan;       /* text */
 PEL_CHECK pel_shelf_form pel_read_ww3;        /* text */
 PEL_CHECK pel_shelf_form pel_read_historical; /* NDBC's, of a year */
-PEL_CHECK pel_shelf_form pel_read_netcdf;     /* WW3, SWAN, ERA5, NDBC */
+PEL_CHECK pel_shelf_form pel_read_netcdf;     /* WW3, SWAN, ERA5, NDBC, CDIP */
+PEL_CHECK pel_shelf_form pel_read_datawell;   /* .spt, text */
+PEL_CHECK pel_shelf_form pel_read_spotter;    /* Sofar's, JSON */
+
+/* Bytes of a text with a 0 behind them; NULL: it is none, or too long. */
+char *pel_shelf_text(const char *path);
 
 /* From standard input to standard output: netcdfwrite.c. */
 PEL_CHECK enum pel_err pel_write_netcdf(struct pel_fault *fault);

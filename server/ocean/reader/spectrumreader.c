@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/reader.h"
 #include "ocean/reader/shelf.h"
@@ -39,7 +40,7 @@ static void begin(const char *directory, const char *path)
         &(struct pel_reader){ directory, readable, MOST_CPU_S, MOST_MEMORY });
 }
 
-/* By its first bytes. */
+/* By its first bytes; Datawell's numbers by the name. */
 static pel_shelf_form *form_of(const char *path)
 {
     char head[24] = { 0 };
@@ -48,6 +49,10 @@ static pel_shelf_form *form_of(const char *path)
     if (f) {
         fclose(f);
     }
+    char *mark = strrchr(path, '.');
+    if (mark && strcasecmp(mark, ".spt") == 0) {
+        return pel_read_datawell;
+    }
     bool netcdf = got > 4 && (memcmp(head, "CDF", 3) == 0 ||
                               memcmp(head, "\x89HDF", 4) == 0);
     return netcdf                                     ? pel_read_netcdf
@@ -55,6 +60,8 @@ static pel_shelf_form *form_of(const char *path)
            : strncmp(head, "'WAVEWATCH III", 14) == 0 ? pel_read_ww3
            : strncmp(head + (head[0] == '#'), "YY", 2) == 0
                ? pel_read_historical
+           : strchr("{[", head[strspn(head, " \t\r\n")]) && got
+               ? pel_read_spotter
                : NULL;
 }
 
@@ -98,7 +105,7 @@ int main(int argc, char **argv)
     if (!read) {
         pel_reader_refuse(
             "neither NetCDF, nor SWAN's, WAVEWATCH III's or NDBC's "
-            "historical text");
+            "historical text, Datawell's .spt or Spotter's JSON");
     }
     if (read(path, &want, &m, &unix_s, &fault)) {
         pel_reader_refuse(fault.message);

@@ -5,10 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/cf.h"
 #include "base/vec.h"
+#include "ocean/reader/buoy.h"
 #include "ocean/reader/shelf.h"
 
-#define MOST_BYTES ((size_t)256 << 20)
 #define MOST_CELLS (PEL_MEASURED_MOST * PEL_SHELF_DIRECTIONS)
 
 struct text {
@@ -34,25 +35,14 @@ static enum pel_err bad(const struct text *t, const char *what,
 
 static struct text *open_text(const char *path, struct pel_fault *fault)
 {
-    FILE *f = fopen(path, "rb");
-    long size = 0;
     struct text *t = calloc(1, sizeof *t);
-    bool ok = f && t && fseek(f, 0, SEEK_END) == 0 && (size = ftell(f)) >= 0 &&
-              (size_t)size <= MOST_BYTES && fseek(f, 0, SEEK_SET) == 0;
-    if (ok) {
-        t->bytes = calloc((size_t)size + 1, 1);
-        ok = t->bytes && fread(t->bytes, 1, (size_t)size, f) == (size_t)size &&
-             !memchr(t->bytes, 0, (size_t)size);
-        t->p = t->bytes;
-    }
-    if (f) {
-        fclose(f);
-    }
-    if (!ok) {
+    t = t && (t->bytes = pel_shelf_text(path)) ? t : NULL;
+    if (!t) {
         pel_fault_set(fault, PEL_ERR_MALFORMED,
                       "it is no text that can be read");
         return NULL; /* the process ends with it */
     }
+    t->p = t->bytes;
     return t;
 }
 
@@ -114,12 +104,6 @@ static bool count_of(struct text *t, int most, int *out)
     return true;
 }
 
-/* Of a direction it comes from, degrees from north, the one it goes to. */
-static double goes_to(double from_deg)
-{
-    return remainder(270.0 - from_deg, 360.0) * PEL_DEG;
-}
-
 /* "20161011.120000" or "20220912 060000"; NAN: no time. */
 static double stamp(struct text *t)
 {
@@ -137,6 +121,31 @@ static double stamp(struct text *t)
 /* --- SWAN ------------------------------------------------------------------
  */
 
+/* What stands behind the coordinates, without the quotes about it. */
+static void place_name(const char *p, char out[64])
+{
+    while (*p == ' ' || *p == '\t') {
+        p++;
+    }
+    size_t length = strcspn(p, "\r\n");
+    length = *p == '$' || *p == '!' ? 0 : length;
+    while (length > 0 && isspace((unsigned char)p[length - 1])) {
+        length--;
+    }
+    if (length >= 2 && (*p == '\'' || *p == '"') && p[length - 1] == *p) {
+        p++;
+        length -= 2;
+    }
+    while (length > 0 && *p == ' ') {
+        p++;
+        length--;
+    }
+    while (length > 0 && p[length - 1] == ' ') {
+        length--;
+    }
+    snprintf(out, 64, "%.*s", (int)length, p);
+}
+
 static bool swan_places(struct text *t)
 {
     bool degrees = word(t, "LONLAT");
@@ -149,6 +158,7 @@ static bool swan_places(struct text *t)
         if (!numbers(t, xy, 2)) {
             return false;
         }
+        place_name(t->p, t->places[i].name);
         t->p = line_end(t->p);
         t->places[i].longitude = degrees ? xy[0] : NAN;
         t->places[i].latitude = degrees ? xy[1] : NAN;
@@ -171,9 +181,28 @@ static bool swan_axes(struct text *t)
     }
     for (int k = 0; k < t->nd; k++) {
         t->to_rad[k] =
-            nautical ? goes_to(t->to_rad[k]) : t->to_rad[k] * PEL_DEG;
+            nautical ? pel_goes_to_rad(t->to_rad[k]) : t->to_rad[k] * PEL_DEG;
     }
     return true;
+}
+
+/* "m2/Hz/degr", or of energy "J/m2/Hz/degr", with words behind it. */
+static bool swan_unit(struct text *t, bool variance, double *unit)
+{
+    char word[40];
+    struct pel_cf_power power;
+    skip_space(t);
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(t->p, " \t\r\n"), t->p);
+    const char *plain = !variance && strncmp(word, "J/m2", 4) == 0 ? "m2" : "";
+    char whole[48];
+    snprintf(whole, sizeof whole, "%s%s", plain, word + (*plain ? 4 : 0));
+    bool known = pel_cf_product(whole, &power) && power.metres == 2 &&
+                 power.seconds == 1 && power.radians == -1;
+    if (known) {
+        *unit = power.factor / (variance ? 1.0 : 1025.0 * PEL_GRAVITY);
+        t->p = line_end(t->p);
+    }
+    return known;
 }
 
 /* One quantity: variance or energy density; *unit makes m²/Hz/rad of it. */
@@ -187,9 +216,9 @@ static bool swan_quantity(struct text *t, double *unit, double *exception)
     if (!variance && !word(t, "EnDens")) {
         return false;
     }
-    skip_space(t);
-    t->p = line_end(t->p); /* the unit, in words */
-    *unit = 180.0 / PEL_PI / (variance ? 1.0 : 1025.0 * PEL_GRAVITY);
+    if (!swan_unit(t, variance, unit)) {
+        return false;
+    }
     if (!number(t, exception)) {
         return false;
     }
@@ -215,10 +244,13 @@ static bool swan_block(struct text *t, double unit, double exception, bool *has)
         !numbers(t, t->cells, cells)) {
         return false;
     }
+    bool any = false;
     for (int i = 0; i < cells; i++) {
-        t->cells[i] =
-            t->cells[i] == exception ? 0 : t->cells[i] * factor * unit;
+        bool none = t->cells[i] == exception;
+        any = any || !none;
+        t->cells[i] = none ? 0 : t->cells[i] * factor * unit;
     }
+    *has = any;
     return true;
 }
 
@@ -255,7 +287,7 @@ enum pel_err pel_read_swan(const char *path, const struct pel_want *want,
     if (!swan_head(t, &timed) || !swan_quantity(t, &unit, &exception)) {
         return bad(t,
                    "not SWAN's head: places, frequencies, directions, one "
-                   "quantity VaDens or EnDens",
+                   "quantity VaDens in m2/Hz/degr or EnDens in J/m2/Hz/degr",
                    fault);
     }
     int place = pel_shelf_place(want, t->places, (size_t)t->place_count, fault);
@@ -455,10 +487,16 @@ static enum pel_err historical_rows(struct text *t, const struct pel_want *want,
         t->p = body;
         for (int i = 0; skip_space(t), *t->p; i++) {
             double v[5] = { 0 };
+            if (*t->p == '#') { /* units, as #yr mo dy hr mn */
+                t->p = line_end(t->p);
+                i--;
+                continue;
+            }
+            const char *row = t->p, *end = line_end(row);
             if (i == PEL_SHELF_TIMES || !numbers(t, v, minutes ? 5 : 4)) {
                 return bad(t, "not a date and time", fault);
             }
-            v[0] += v[0] < 100 ? 1900 : 0;
+            v[0] += v[0] < 70 ? 2000 : v[0] < 100 ? 1900 : 0;
             if (!(v[0] >= 0 && v[0] < 1e4 && v[1] >= 0 && v[1] < 100 &&
                   v[2] >= 0 && v[2] < 100)) {
                 return bad(t, "not a date and time", fault);
@@ -469,8 +507,9 @@ static enum pel_err historical_rows(struct text *t, const struct pel_want *want,
                 skip_space(t);
                 bool none = strncmp(t->p, "MM", 2) == 0;
                 t->p += none ? 2 : 0;
-                if (!none && !number(t, &values[k])) {
-                    return bad(t, "a value is missing", fault);
+                if ((!none && !number(t, &values[k])) || t->p > end) {
+                    t->p = row;
+                    return bad(t, "fewer values than frequencies", fault);
                 }
                 values[k] = none || values[k] >= MISSING ? NAN : values[k];
             }
@@ -513,7 +552,6 @@ enum pel_err pel_read_historical(const char *path, const struct pel_want *want,
     char other[4096];
     enum pel_err err =
         t ? historical_rows(t, want, v[0], unix_s, fault) : PEL_ERR_MALFORMED;
-    err = err ? err : pel_shelf_frequencies(t->frequency, t->nf, fault);
     bool directional = !err;
     for (int i = 1; i < 5 && !err && directional; i++) {
         struct pel_want same = { "", *unix_s };
@@ -530,17 +568,21 @@ enum pel_err pel_read_historical(const char *path, const struct pel_want *want,
     if (err) {
         return err;
     }
-    out->count = t->nf;
+    static struct pel_bands bands;
+    int none = 0; /* 99.00, where most of a record is */
     for (int k = 0; k < t->nf; k++) {
-        bool known = directional && v[1][k] >= 0 && v[1][k] <= 360 &&
-                     v[2][k] >= 0 && v[2][k] <= 360 && v[3][k] >= 0 &&
-                     v[3][k] <= 1 && v[4][k] >= 0 && v[4][k] <= 1;
-        out->frequency_hz[k] = t->frequency[k];
-        out->density[k] = v[0][k] > 0 ? v[0][k] : 0;
-        out->alpha1_rad[k] = known ? goes_to(v[1][k]) : 0;
-        out->alpha2_rad[k] = known ? goes_to(v[2][k]) : 0;
-        out->r1[k] = known ? v[3][k] : 0;
-        out->r2[k] = known ? v[4][k] : 0;
+        none += v[0][k] == 99.0;
     }
-    return PEL_OK;
+    pel_bands_init(&bands, t->nf);
+    for (int k = 0; k < t->nf; k++) {
+        bands.frequency_hz[k] = t->frequency[k];
+        bands.density[k] = v[0][k] == 99.0 && 2 * none > t->nf ? NAN : v[0][k];
+        if (directional) {
+            bands.alpha1_rad[k] = pel_goes_to_rad(v[1][k]);
+            bands.alpha2_rad[k] = pel_goes_to_rad(v[2][k]);
+            bands.r1[k] = v[3][k];
+            bands.r2[k] = v[4][k];
+        }
+    }
+    return pel_bands_take(&bands, out, fault);
 }

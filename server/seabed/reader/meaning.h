@@ -12,7 +12,7 @@ struct pel_raster_said {
     char name[64]; /* of the variable */
     char standard[96], long_name[96];
     char positive[24], unit[48];
-    bool netcdf;    /* ncatted mends it, else gdal_edit.py */
+    bool netcdf;    /* NCO mends it, else GDAL's own tool */
     bool up_by_bag; /* heights by the format, whatever its CRS calls itself */
 };
 

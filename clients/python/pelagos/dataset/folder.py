@@ -13,7 +13,6 @@ import contextlib
 import errno
 import fcntl
 import glob
-import hashlib
 import io
 import json
 import os
@@ -23,7 +22,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from . import jsontext
-from .fields import BadPlan
+from .fields import BadPlan, digest_of
 from .plan import Plan
 
 
@@ -208,10 +207,4 @@ class ShardWriter:
         self.file.close()
         with contextlib.suppress(FileNotFoundError):
             os.unlink(self.part)
-
-
-def digest_of(path: str) -> str:
-    """SHA-256 of a file."""
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
 

@@ -12,8 +12,8 @@ from typing import IO, Any
 from ..coco import Coco
 from . import jsontext
 from .card import Card
-from .fields import field_at
-from .folder import Folder, digest_of
+from .fields import digest_of, field_at
+from .folder import Folder
 from .parquet import Table
 from .plan import Plan
 

@@ -13,7 +13,7 @@ from typing import Any
 
 from ..schema import FORMATS, LAYERS, LINEAR_FORMATS
 from . import jsontext
-from .fields import BadPlan, check_patch, field_at, near
+from .fields import BadPlan, check_patch, digest_of, field_at, near
 from .sample import Distribution, rounded, uniform
 from .traffic import Group
 
@@ -253,10 +253,8 @@ class Plan:
                 folders.sort()
                 for name in sorted(names):
                     path = os.path.join(root, name)
-                    with open(path, "rb") as file:
-                        digest = hashlib.file_digest(file, "sha256")
                     total.update(f"{key}/{os.path.relpath(path, folder)}\0"
-                                 f"{digest.hexdigest()}\n".encode())
+                                 f"{digest_of(path)}\n".encode())
         return total.hexdigest()
 
     def digest(self) -> str:
