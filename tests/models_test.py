@@ -55,6 +55,19 @@ def stl():
     return data
 
 
+def text_stl(*solids):
+    out = ""
+    for name, faces in solids:
+        out += f"solid {name}\n"
+        for face in faces:
+            out += "facet normal 0 0 0\n outer loop\n"
+            out += "".join("  vertex {} {} {}\n".format(*CORNERS[i])
+                           for i in face)
+            out += " endloop\nendfacet\n"
+        out += f"endsolid {name}\n"
+    return out
+
+
 def gltf(corner=None, **more):
     points = b"".join(struct.pack("<3f", y, z, x) for x, y, z in CORNERS)
     indices = b"".join(struct.pack("<3H", *face) for face in FACES)
@@ -113,7 +126,14 @@ class Models(unittest.TestCase):
                 "wedge.mtl": "newmtl paint\nKd 1 1 1\nmap_Kd Skin.PNG\n",
                 "skin.png": png(64, 32),
                 "sub/wedge.stl": stl(),
+                "empty-first.stl": text_stl(("4", ()), ("hull", FACES)),
+                "empty-last.STL": text_stl(("hull", FACES), ("", ()),
+                                           ("x", ())),
+                "empty-all.stl": text_stl(("4", ())),
                 "wedge.glb": glb(),
+                "UPPER.GLB": glb(), "UPPER.OBJ": obj(), "UPPER.AC": ac3d(),
+                "UPPER.STL": stl(),
+                "r\u00fcmpf " + "x" * 230 + ".glb": glb(),
                 "wedge.ac": ac3d(),
                 "meant.glb": glb(),
                 "meant.json": json.dumps({
@@ -213,6 +233,21 @@ class Models(unittest.TestCase):
         self.assertEqual(m["eyes"][0]["right"], 1)
         self.assertEqual(m["lights"][0]["name"], "masthead")
 
+    def test_the_hull_beside_what_is_empty(self):
+        """And endings in letters of any case, and long names."""
+        models = self.list()
+        long = next(name for name in models if len(name) > 200)
+        for name in ("empty-first.stl", "empty-last.STL", "UPPER.STL",
+                     "UPPER.GLB", "UPPER.OBJ", "UPPER.AC", long):
+            self.assertNotIn("error", models[name], name)
+            self.assertEqual(models[name]["triangles"][0], 12, name)
+            self.assertEqual(self.set(name=name).status, 200)
+        for name in ("empty-first.stl", "empty-last.STL", "UPPER.STL"):
+            self.assertAlmostEqual(models[name]["length"],
+                                   models["sub/wedge.stl"]["length"])
+        self.assertEqual(self.daemon.get("/v1/state").json()["entities"][0]
+                         ["model"]["name"], long)
+
     def test_what_is_wrong_is_said(self):
         models = self.list()
         for name, words in {
@@ -222,6 +257,7 @@ class Models(unittest.TestCase):
                 "huge.obj": ("60000 x 60000", "smaller"),
                 "cut.glb": ("cut.glb",),
                 "empty.dae": ("empty.dae",),
+                "empty-all.stl": ("no triangles",),
                 "beyond.glb": ("corners that are not there",),
                 "flat.obj": ("8 of its 12 triangles have no area",),
                 "outside.gltf": ("outside.gltf",),

@@ -6,6 +6,7 @@
 
 #include "base/clock.h"
 #include "base/reserve.h"
+#include "bounds.h"
 #include "fault.h"
 #include "message.h"
 #include "models/builtin.h"
@@ -227,7 +228,8 @@ static void find_files(const char *directory, const char *below, int depth,
         g_autofree char *name =
             *below ? g_strdup_printf("%s/%s", below, entry) : g_strdup(entry);
         g_autofree char *whole = g_build_filename(directory, name, NULL);
-        if (entry[0] == '.' || entry[0] == '-' || strlen(name) > 64 ||
+        if (entry[0] == '.' || entry[0] == '-' ||
+            strlen(name) > PEL_BOUND_FILE_BYTES ||
             !g_utf8_validate(name, -1, NULL)) {
             continue;
         }

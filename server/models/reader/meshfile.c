@@ -1,6 +1,7 @@
 #include "models/reader/meshfile.h"
 
 #include <dirent.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -533,8 +534,51 @@ static void hear(const char *message, char *user)
     }
 }
 
+/* What is left of a node's meshes and of those below. */
+/* NOLINTNEXTLINE(misc-no-recursion): MOST_DEPTH deep. */
+static void renumber(struct aiNode *node, const unsigned *number,
+                     unsigned count, int depth)
+{
+    unsigned kept = 0;
+    for (unsigned i = 0; i < node->mNumMeshes; i++) {
+        unsigned from = node->mMeshes[i];
+        unsigned to = from < count ? number[from] : UINT_MAX;
+        if (to != UINT_MAX) {
+            node->mMeshes[kept++] = to;
+        }
+    }
+    node->mNumMeshes = kept;
+    for (unsigned i = 0; i < node->mNumChildren && depth < MOST_DEPTH; i++) {
+        renumber(node->mChildren[i], number, count, depth + 1);
+    }
+}
+
+/* Without meshes that have nothing in them, as the empty solids of an STL: the
+ * library's check would refuse all for one. */
+static bool leave_out_empty(struct aiScene *scene)
+{
+    unsigned kept = 0, count = scene->mNumMeshes;
+    unsigned *number = malloc((count + 1) * sizeof *number);
+    if (!number) {
+        return false;
+    }
+    for (unsigned i = 0; i < count; i++) {
+        struct aiMesh *m = scene->mMeshes[i];
+        bool empty = m->mNumVertices == 0 || m->mNumFaces == 0;
+        number[i] = empty ? UINT_MAX : kept;
+        scene->mMeshes[kept] = m;
+        kept += !empty;
+    }
+    if (kept < count && kept > 0) {
+        scene->mNumMeshes = kept;
+        renumber(scene->mRootNode, number, count, 0);
+    }
+    free(number);
+    return kept > 0 || count == 0;
+}
+
 static const struct aiScene *import_scene(const char *path,
-                                          struct complaints *heard)
+                                          struct complaints *heard, bool *empty)
 {
     const struct aiLogStream log = { hear, (char *)heard };
     aiAttachLogStream(&log);
@@ -543,11 +587,17 @@ static const struct aiScene *import_scene(const char *path,
     aiSetImportPropertyInteger(store, AI_CONFIG_PP_SBP_REMOVE,
                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     aiSetImportPropertyInteger(store, AI_CONFIG_PP_FD_REMOVE, 1);
-    return aiImportFileExWithProperties(
-        path,
-        aiProcess_Triangulate | aiProcess_SortByPType |
-            aiProcess_ValidateDataStructure | aiProcess_TransformUVCoords,
-        NULL, store);
+    const struct aiScene *scene =
+        aiImportFileExWithProperties(path, 0, NULL, store);
+    if (!scene || !scene->mRootNode) {
+        return scene;
+    }
+    *empty = !leave_out_empty((struct aiScene *)scene);
+    return *empty ? scene
+                  : aiApplyPostProcessing(
+                        scene, aiProcess_Triangulate | aiProcess_SortByPType |
+                                   aiProcess_ValidateDataStructure |
+                                   aiProcess_TransformUVCoords);
 }
 
 enum pel_err pel_mesh_read(const struct pel_mesh_request *request,
@@ -565,10 +615,14 @@ enum pel_err pel_mesh_read(const struct pel_mesh_request *request,
         return err;
     }
     struct complaints heard = { .notes = notes };
-    in.scene = import_scene(request->path, &heard);
+    bool empty = false;
+    in.scene = import_scene(request->path, &heard, &empty);
     if (!in.scene || !in.scene->mRootNode) {
         return pel_fault_set(fault, PEL_ERR_INVALID, "%.200s",
                              aiGetErrorString());
+    }
+    if (empty) {
+        return pel_fault_set(fault, PEL_ERR_INVALID, "it has no triangles");
     }
     if (heard.out_of_range) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
