@@ -308,6 +308,65 @@ static void parse_mwv(struct fields *f, struct pel_nmea_sentence *s)
     }
 }
 
+/* m/s of the first of `count` speeds that is there, each with its unit behind
+ * it: N, M or K. */
+static double speed_of(struct fields *f, size_t i, int count)
+{
+    for (; count-- > 0; i += 2) {
+        double value = number(f, i);
+        if (isnan(value)) {
+            continue;
+        }
+        switch (letter(f, i + 1)) {
+        case 'N':
+            return value * KNOT_MPS;
+        case 'M':
+            return value;
+        case 'K':
+            return value / 3.6;
+        default:
+            f->bad = true;
+        }
+    }
+    return NAN;
+}
+
+/* 0 to 180 to port (L) or starboard (R); ahead and astern need no side. */
+static void wind_to_side(struct fields *f, bool is_true,
+                         struct pel_nmea_sentence *s)
+{
+    double angle = number(f, 0);
+    char side = letter(f, 1);
+    s->wind_true = is_true;
+    s->wind_angle = side == 'L' && angle > 0 ? 360 - angle : angle;
+    s->wind_speed = speed_of(f, 2, 3);
+    bool middle = !side && (angle == 0 || angle == 180);
+    if (!isnan(angle) &&
+        (angle < 0 || angle > 180 || (side != 'L' && side != 'R' && !middle))) {
+        f->bad = true;
+    }
+}
+
+static void parse_vwr(struct fields *f, struct pel_nmea_sentence *s)
+{
+    wind_to_side(f, false, s);
+}
+
+static void parse_vwt(struct fields *f, struct pel_nmea_sentence *s)
+{
+    wind_to_side(f, true, s);
+}
+
+/* Pressure, temperatures and humidity are before it. */
+static void parse_mda(struct fields *f, struct pel_nmea_sentence *s)
+{
+    s->wind_direction = number(f, 12);
+    s->wind_speed = speed_of(f, 16, 2);
+    if (!isnan(s->wind_direction) && letter(f, 13) != 'T') {
+        f->bad = true;
+    }
+}
+
 static void parse_mwd(struct fields *f, struct pel_nmea_sentence *s)
 {
     s->wind_direction = number(f, 0);
@@ -454,6 +513,12 @@ static int hex_digit(char c)
     return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
+/* What devices leave behind a sentence, and pad datagrams with. */
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\0';
+}
+
 /* The end of the sentence that begins at p: behind `*hh`, where the line ends
  * or a receiver's suffix begins; NULL: no checksum. */
 static const char *end_of_sum(const char *p, const char *end)
@@ -461,7 +526,11 @@ static const char *end_of_sum(const char *p, const char *end)
     const char *star = memchr(p, '*', (size_t)(end - p));
     bool whole = star && end - star >= 3 && hex_digit(star[1]) >= 0 &&
                  hex_digit(star[2]) >= 0;
-    return whole && (star + 3 == end || star[3] == ',') ? star + 3 : NULL;
+    const char *next = whole ? star + 3 : end;
+    while (next < end && is_blank(*next)) {
+        next++;
+    }
+    return whole && (next == end || *next == ',') ? star + 3 : NULL;
 }
 
 /* Finds the text between the last `$` or `!` and `*hh`; tests frame and sum. */
@@ -469,6 +538,9 @@ static enum pel_nmea_error unwrap(const char **line, size_t *length,
                                   bool *resynchronised)
 {
     const char *p = *line;
+    while (*length > 0 && is_blank(p[*length - 1])) {
+        --*length;
+    }
     const char *end = p + *length;
     if (*length > PEL_NMEA_MAX_SENTENCE) {
         return PEL_NMEA_TOO_LONG;

@@ -4,9 +4,9 @@
  * A sentence is `$` or `!`, talker and type, fields, `*hh`, CR and LF, with an
  * optional tag block `\...*hh\` before it. It begins at the line's last `$` or
  * `!`: what a broken line before it left is passed over. A receiver's suffix
- * after the checksum (`,station,time`) is passed over too. The checksum is
- * always required. Sentences longer than 82 characters are out of the standard
- * but common: lines of up to 256 are read. */
+ * after the checksum (`,station,time`) is passed over too, and so are blanks.
+ * The checksum is always required. Sentences longer than 82 characters are out
+ * of the standard but common: lines of up to 256 are read. */
 #pragma once
 
 #include <stdbool.h>
@@ -48,8 +48,8 @@ struct pel_nmea_sentence {
     double turn_rate;     /* deg/s, to starboard positive */
     double altitude;
     double roll, pitch, heave; /* PASHR; starboard down, bow up, up positive */
-    double wind_direction;     /* MWD: true, blows from */
-    double wind_angle;         /* MWV: from the bow, clockwise */
+    double wind_direction;     /* MWD, MDA: true, blows from */
+    double wind_angle;         /* MWV, VWT, VWR: from the bow, clockwise */
     double wind_speed;
     double rudder; /* RSA: starboard or single, starboard positive */
     double depth, depth_offset;
@@ -59,7 +59,7 @@ struct pel_nmea_sentence {
     bool valid;           /* status A, or fix quality > 0; true without one */
     bool resynchronised;  /* something stood before its beginning */
     int year, month, day; /* 0: empty. RMC, ZDA */
-    bool wind_true;       /* MWV T, not R */
+    bool wind_true;       /* MWV T, VWT; not MWV R, VWR */
     struct pel_nmea_transducer {
         char type, unit;
         double value; /* NaN: empty */

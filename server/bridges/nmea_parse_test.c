@@ -185,7 +185,7 @@ static void refuses_what_is_wrong(void **state)
         { "$GPHDT,,T", PEL_NMEA_NO_CHECKSUM },
         { "$GPHDT,,T*1", PEL_NMEA_NO_CHECKSUM },
         { "$GPHDT,,T*1G", PEL_NMEA_NO_CHECKSUM },
-        { "$GPHDT,,T*1B ", PEL_NMEA_NO_CHECKSUM },
+        { "$GPHDT,,T*1B x", PEL_NMEA_NO_CHECKSUM },
         { "$GPHDT,,T*1C", PEL_NMEA_BAD_CHECKSUM },
         { "$GPHDT,,U*1B", PEL_NMEA_BAD_CHECKSUM },
         { "$GPHDT,\t,T*1B", PEL_NMEA_BAD_BYTE },
@@ -223,6 +223,14 @@ static void refuses_fields_that_are_no_numbers(void **state)
         "$GPRMC,120000,A,5200.0,N,00100.0,W,,,321399,,,A",
         "$WIMWV,57.5,Q,13.0,N,A",
         "$WIMWV,57.5,R,13.0,Q,A",
+        "$IIVWR,154.0,,,,7.0,M,,",
+        "$IIVWR,154.0,X,,,7.0,M,,",
+        "$IIVWR,184.0,R,,,7.0,M,,",
+        "$IIVWR,-4.0,R,,,7.0,M,,",
+        "$IIVWT,30.0,L,10.0,Q,,,,",
+        "$IIVWT,30.0,L,10.0,,,,,",
+        "$IIMDA,,,,,,,,,,,,,300.0,M,,,12.0,N,,",
+        "$IIMDA,,,,,,,,,,,,,300.0,T,,,12.0,T,,",
         "!AIVDM,1,2,,A,15,0",
         "!AIVDM,1,1,,A,15\"5,0",
         "!AIVDM,1,1,,A,15",
@@ -534,9 +542,88 @@ static void makes_relative_wind_true(void **state)
     assert_int_equal(v.out_of_range, 1);
 }
 
+/* The same beam wind, and others, as older instruments send them. */
+static void takes_wind_to_a_side(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        double deg, mps; /* heading 0, 10 m/s north; NAN: none is taken */
+    } rows[] = {
+        { "$IIVWR,45.0,L,,,14.142136,M,,", 270, 10 },
+        { "$IIVWR,45.0,R,27.490,N,14.1,M,50.9,K", 90, 10 },
+        { "$IIVWR,45.0,R,,,,,50.911688,K", 90, 10 },
+        { "$IIVWR,0.0,,,,12.0,M,,", 0, 2 },
+        { "$IIVWR,,R,,,7.0,M,,", NAN, NAN },
+        { "$IIVWT,030.0,L,10.0,N,5.1,M,18.5,K", 330, 10 * KNOT },
+        { "$IIVWT,030.0,R,,,5.0,M,,", 30, 5 },
+        { "$IIVWT,180.0,,,,5.0,M,,", 180, 5 },
+        { "$IIVWT,030.0,R,,,,,,", NAN, NAN },
+        { "$IIMDA,30.0,I,1.016,B,,,,,,,,,300.0,T,,,12.0,N,6.2,M", 300,
+          12 * KNOT },
+        { "$IIMDA,29.9,I,1.013,B,18.5,C,16.0,C,60,,10.1,C,20.0,T,,,,,6.5,M", 20,
+          6.5 },
+        { "$IIMDA,30.0,I,1.016,B,,,,,,,,,,,300.0,M,12.0,N,6.2,M", NAN, NAN },
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct pel_nmea_values v = { 0 };
+        double deg, mps;
+        print_message("%s\n", rows[i].text);
+        take(&v, "$HEHDT,0.0,T", 1);
+        take(&v, "$GPVTG,0.0,T,,M,,N,36.0,K,A", 1);
+        take(&v, rows[i].text, 1);
+        bool has = pel_nmea_wind(&v, 1, &deg, &mps);
+        assert_int_equal(has, !isnan(rows[i].mps));
+        if (has) {
+            assert_near(remainder(deg - rows[i].deg, 360), 0, 1e-2);
+            assert_near(mps, rows[i].mps, 2e-3);
+        }
+    }
+    /* MWD counts before MDA, VWT before VWR. */
+    struct pel_nmea_values v = { 0 };
+    double deg, mps;
+    take(&v, "$HEHDT,0.0,T", 1);
+    take(&v, "$GPVTG,0.0,T,,M,,N,36.0,K,A", 1);
+    take(&v, "$IIVWR,45.0,L,,,14.142136,M,,", 1);
+    take(&v, "$IIVWT,010.0,R,,,5.0,M,,", 1);
+    assert_true(pel_nmea_wind(&v, 1, &deg, &mps) && deg == 10);
+    take(&v, "$IIMDA,,,,,,,,,,,,,20.0,T,,,,,6.0,M", 1);
+    take(&v, "$WIMWD,30.0,T,,M,,N,7.0,M", 1);
+    take(&v, "$IIMDA,,,,,,,,,,,,,20.0,T,,,,,6.0,M", 1);
+    assert_true(pel_nmea_wind(&v, 1, &deg, &mps) && deg == 30);
+}
+
+/* Behind the checksum, as loggers and padded datagrams leave them. */
+static void passes_blanks_over(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *end;
+        size_t size;
+    } ends[] = {
+        { "", 0 },    { " ", 1 },    { "  ", 2 },      { "\t", 1 },
+        { " \r", 2 }, { "\0\0", 2 }, { " ,r1,17", 7 }, { ",r1,17 ", 7 }
+    };
+    struct pel_nmea_sentence s;
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        char line[64];
+        size_t length = strlen(frame("$HEHDT,125.0,T"));
+        memcpy(line, frame("$HEHDT,125.0,T"), length);
+        memcpy(line + length, ends[i].end, ends[i].size);
+        assert_int_equal(pel_nmea_parse(line, length + ends[i].size, &s),
+                         PEL_NMEA_OK);
+        assert_near(s.heading, 125, EPS);
+    }
+    assert_int_equal(parse("$HEHDT,125.0,T*2 C", &s), PEL_NMEA_NO_CHECKSUM);
+    assert_int_equal(parse("$HEHDT,125.0,T*", &s), PEL_NMEA_NO_CHECKSUM);
+    assert_int_equal(parse("   ", &s), PEL_NMEA_NO_START);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(takes_wind_to_a_side),
+        cmocka_unit_test(passes_blanks_over),
         cmocka_unit_test(reads_positions),
         cmocka_unit_test(reads_dates_of_bridge_command),
         cmocka_unit_test(reads_heading_wind_and_attitude),

@@ -199,9 +199,10 @@ static void set_wind(struct pel_nmea_values *v, int source, double direction,
     static void take_##name(struct pel_nmea_values *v,                         \
                             const struct pel_nmea_sentence *s, int64_t now_ns)
 
-/* MWV is measured from the bow. Relative wind is the air's motion past the
- * ship, so the ship's own motion is added to get the true one. */
-TAKE(mwv)
+/* MWV, VWT and VWR are measured from the bow. Relative wind is the air's motion
+ * past the ship, so the ship's own motion is added to get the true one. */
+static void wind_from_bow(struct pel_nmea_values *v, int source,
+                          const struct pel_nmea_sentence *s, int64_t now_ns)
 {
     double heading, course, speed;
     if (!s->valid || !in_range(v, s->wind_angle, 0, 360) ||
@@ -210,7 +211,7 @@ TAKE(mwv)
     }
     double from = wrap(heading + s->wind_angle);
     if (s->wind_true) {
-        set_wind(v, PEL_WIND_MWV_TRUE, from, s->wind_speed, now_ns);
+        set_wind(v, source, from, s->wind_speed, now_ns);
         return;
     }
     if (!pel_nmea_motion(v, now_ns, &course, &speed)) {
@@ -220,8 +221,24 @@ TAKE(mwv)
         -s->wind_speed * sin(from * PEL_DEG) + speed * sin(course * PEL_DEG);
     double north =
         -s->wind_speed * cos(from * PEL_DEG) + speed * cos(course * PEL_DEG);
-    set_wind(v, PEL_WIND_MWV_RELATIVE, wrap(atan2(-east, -north) / PEL_DEG),
+    set_wind(v, source, wrap(atan2(-east, -north) / PEL_DEG),
              hypot(east, north), now_ns);
+}
+
+TAKE(mwv)
+{
+    wind_from_bow(v, s->wind_true ? PEL_WIND_MWV_TRUE : PEL_WIND_MWV_RELATIVE,
+                  s, now_ns);
+}
+
+TAKE(vwt)
+{
+    wind_from_bow(v, PEL_WIND_VWT, s, now_ns);
+}
+
+TAKE(vwr)
+{
+    wind_from_bow(v, PEL_WIND_VWR, s, now_ns);
 }
 
 /* Without any variation yet it counts as 0: better than no heading at all. */
@@ -345,6 +362,11 @@ TAKE(rot)
 TAKE(mwd)
 {
     set_wind(v, PEL_WIND_MWD, s->wind_direction, s->wind_speed, now_ns);
+}
+
+TAKE(mda)
+{
+    set_wind(v, PEL_WIND_MDA, s->wind_direction, s->wind_speed, now_ns);
 }
 
 TAKE(rsa)
