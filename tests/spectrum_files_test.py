@@ -301,7 +301,15 @@ class Forms(unittest.TestCase):
                 ("#YY  MM DD hh mm   ", "2019 01 01 00", True),
                 ("YYYY MM DD hh mm ", "2005 01 01 00", True)):
             self.is_it(self.ndbc(head, stamp, minutes), None)
-            self.is_it(self.ndbc(head, stamp, minutes, letters="wdijk"))
+            path = self.ndbc(head, stamp, minutes, letters="wdijk")
+            self.is_it(path)
+            folder = os.path.join(self.folder, f"LARGE{self.count}")
+            os.mkdir(folder)
+            for letter in "wdijk":
+                name = os.path.basename(path).replace("w", letter)
+                shutil.copy(os.path.join(self.folder, name),
+                            os.path.join(folder, name.upper()))
+            self.is_it(os.path.join(folder, os.path.basename(path).upper()))
         self.is_it(self.ndbc("#YY  MM DD hh mm ", "2019 01 01 00",
                              second="#yr  mo dy hr mn Hz\n"), None)
 

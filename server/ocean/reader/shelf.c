@@ -140,6 +140,14 @@ int pel_shelf_place(const struct pel_want *want, const struct pel_place *places,
     return refuse_place(want, places, count, fault);
 }
 
+char *pel_shelf_letter(char *path)
+{
+    char *name = strrchr(path, '/');
+    char *small = strrchr(name ? name : path, 'w');
+    char *large = strrchr(name ? name : path, 'W');
+    return !small || (large && large > small) ? large : small;
+}
+
 #define MOST_BYTES ((size_t)256 << 20)
 
 char *pel_shelf_text(const char *path)

@@ -61,6 +61,10 @@ PEL_CHECK pel_shelf_form pel_read_netcdf;     /* WW3, SWAN, ERA5, NDBC, CDIP */
 PEL_CHECK pel_shelf_form pel_read_datawell;   /* .spt, text */
 PEL_CHECK pel_shelf_form pel_read_spotter;    /* Sofar's, JSON */
 
+/* In the path of NDBC's historical text the letter of what it holds, w or W:
+ * the last before the year; NULL: there is none. */
+char *pel_shelf_letter(char *path);
+
 /* Bytes of a text with a 0 behind them; NULL: it is none, or too long. */
 char *pel_shelf_text(const char *path);
 

@@ -30,9 +30,9 @@ static void begin(const char *directory, const char *path)
     const char *readable[6] = { path };
     for (int i = 0; i < 4; i++) {
         snprintf(others[i], sizeof others[i], "%s", path);
-        char *w = strrchr(others[i], 'w');
+        char *w = pel_shelf_letter(others[i]);
         if (w) {
-            *w = "dijk"[i];
+            *w = (*w == 'W' ? "DIJK" : "dijk")[i];
         }
         readable[1 + i] = others[i];
     }

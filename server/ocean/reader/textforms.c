@@ -531,11 +531,11 @@ static enum pel_err historical_rows(struct text *t, const struct pel_want *want,
 static bool beside(const char *path, char letter, char out[4096])
 {
     snprintf(out, 4096, "%s", path);
-    char *w = strrchr(out, 'w');
-    if (!w || w == out) {
+    char *w = pel_shelf_letter(out);
+    if (!w) {
         return false;
     }
-    *w = letter;
+    *w = *w == 'W' ? (char)toupper((unsigned char)letter) : letter;
     FILE *f = fopen(out, "rb");
     if (f) {
         fclose(f);
