@@ -26,7 +26,7 @@ BUILD_PACKAGES := gcc libc6-dev make pkg-config python3 python3-protobuf \
     gstreamer1.0-plugins-bad gstreamer1.0-plugins-ugly gstreamer1.0-nice \
     libgstreamer-plugins-bad1.0-dev \
     libgstrtspserver-1.0-dev libwslay-dev libyuv-dev \
-    libcurl4-openssl-dev libnova-dev libssl-dev libgdal-dev libhdf5-dev libnetcdf-dev libassimp-dev
+    libcurl4-openssl-dev libnova-dev libssl-dev libgdal-dev libhdf5-dev libnetcdf-dev libeccodes-dev libassimp-dev
 # What `make site` is made by.
 SITE_PACKAGES := python3-sphinx python3-myst-parser furo graphviz groff
 # What `make deb` is made by.
@@ -97,11 +97,14 @@ PKG_LIBS = $(eval PKG_LIBS := $(shell pkg-config --libs $(PKGS)) -lOpenEXRCore -
 CTL_PKGS := gstreamer-1.0 gstreamer-app-1.0
 READER_PKGS := gdal hdf5-serial OpenEXR
 SPECTRUM_PKGS := netcdf
+WEATHER_PKGS := eccodes netcdf hdf5-serial
 MODEL_PKGS := assimp spng libjpeg
 # As a system header: it is not clean of our warnings.
 READER_CFLAGS = $(eval READER_CFLAGS := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(READER_PKGS))))$(READER_CFLAGS)
 READER_LIBS = $(eval READER_LIBS := $(shell pkg-config --libs $(READER_PKGS)) -lOpenEXRCore -lm)$(READER_LIBS)
 SPECTRUM_LIBS = $(eval SPECTRUM_LIBS := $(shell pkg-config --libs $(SPECTRUM_PKGS)))$(SPECTRUM_LIBS)
+WEATHER_CFLAGS = $(eval WEATHER_CFLAGS := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags hdf5-serial)))$(WEATHER_CFLAGS)
+WEATHER_LIBS = $(eval WEATHER_LIBS := $(shell pkg-config --libs $(WEATHER_PKGS)) -lm)$(WEATHER_LIBS)
 MODEL_CFLAGS = $(eval MODEL_CFLAGS := $(patsubst -I%,-isystem %,$(shell pkg-config --cflags $(MODEL_PKGS))))$(MODEL_CFLAGS)
 MODEL_LIBS = $(eval MODEL_LIBS := $(shell pkg-config --libs $(MODEL_PKGS)) -lm)$(MODEL_LIBS)
 CTL_CFLAGS = $(eval CTL_CFLAGS := $(shell pkg-config --cflags $(CTL_PKGS)))$(CTL_CFLAGS)
@@ -127,15 +130,14 @@ FRAMES := $(call room,server/frames)
 NET := $(call room,server/net)
 BRIDGES := $(call room,server/bridges)
 CLUSTER := $(call room,server/cluster)
-# Programs of their own: GDAL and assimp are not the daemon's.
+# Programs of their own: GDAL, ecCodes and assimp are not the daemon's.
 SEABED_READER := $(call room,server/seabed/reader)
 MODEL_READER := $(call room,server/models/reader)
 PANORAMA_READER := $(call room,server/panorama/reader)
 SPECTRUM_READER := $(call room,server/ocean/reader)
 CONTINENTS_READER := $(call room,server/continents/reader)
-# With what both that use GDAL need.
-WEATHER_READER := $(call room,server/weather/reader) server/seabed/reader/gdal.c \
-    server/seabed/reader/hdf5.c
+# With what both that read HDF5 need.
+WEATHER_READER := $(call room,server/weather/reader) server/seabed/reader/hdf5.c
 DAEMON := server/main.c server/service.c
 # What makes tables of the server while it is built, and which (pel_NAME).
 MAKER := server/tables.c
@@ -162,9 +164,11 @@ FLAGS_server/optics/airlight := $(VECTORS)
 FLAGS_server/optics/airrays := $(VECTORS)
 FLAGS_clients/pelagosctl/clip = $(CTL_CFLAGS)
 FLAGS_clients/pelagosctl/clip_stream = $(CTL_CFLAGS)
-$(foreach f,$(sort $(SEABED_READER:.c=) $(WEATHER_READER:.c=)) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
+$(foreach f,$(SEABED_READER:.c=) tests/any_raster,$(eval FLAGS_$(f) = $$(READER_CFLAGS)))
+$(foreach f,$(filter server/weather/%,$(WEATHER_READER:.c=)),$(eval FLAGS_$(f) = $$(WEATHER_CFLAGS)))
 $(foreach f,$(MODEL_READER:.c=),$(eval FLAGS_$(f) = $$(MODEL_CFLAGS)))
-$(foreach f,forecast raster picture,$(eval FLAGS_tests/fuzz/fuzz_$(f) = $$(READER_CFLAGS) $$(MODEL_CFLAGS)))
+FLAGS_tests/fuzz/fuzz_forecast = $(WEATHER_CFLAGS)
+$(foreach f,raster picture,$(eval FLAGS_tests/fuzz/fuzz_$(f) = $$(READER_CFLAGS) $$(MODEL_CFLAGS)))
 $(foreach f,$(basename $(wildcard tests/validate/*.c tests/validate/seatrace/*.c tests/validate/airtrace/*.c tests/validate/shiptrace/*.c tests/validate/undertrace/*.c tests/validate/spacetrace/*.c)),$(eval FLAGS_$(f) := -O3))
 # Arithmetic on memory of one caller and who helps him; watched, a picture in new air
 # takes minutes. Who calls it, and from which threads, is watched.
@@ -176,7 +180,7 @@ compile = $(CC) $(OUR_CPPFLAGS) $(PKG_CFLAGS) $(OUR_CFLAGS) $(FLAGS_$(1)) $(CPPF
 # What decides about an object beside its sources.
 quoted = '$(subst ','\'',$(1))'
 KEY := $(shell printf %s $(call quoted,$(CC) $(OUR_CPPFLAGS) $(OUR_CFLAGS) $(CPPFLAGS) $(CFLAGS) $(LDFLAGS)$(LINK_$(FLAVOR)) $(VECTORS) \
-    $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(SPECTRUM_PKGS) $(MODEL_PKGS)) | sha1sum | cut -c 1-10)
+    $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(SPECTRUM_PKGS) $(WEATHER_PKGS) $(MODEL_PKGS)) | sha1sum | cut -c 1-10)
 OBJ := $(O)/obj-$(KEY)
 
 # --- rules ----------------------------------------------------------------
@@ -231,7 +235,7 @@ $(O)/bin/pelagos-seabed: $(call obj,$(SEABED_READER)) $(OBJ)/libserver.a
 	$(LINK) $(READER_LIBS)
 
 $(O)/bin/pelagos-weather: $(call obj,$(WEATHER_READER)) $(OBJ)/libserver.a
-	$(LINK) $(READER_LIBS)
+	$(LINK) $(WEATHER_LIBS)
 
 $(O)/bin/pelagos-model: $(call obj,$(MODEL_READER)) $(OBJ)/libserver.a
 	$(LINK) $(MODEL_LIBS)
@@ -312,7 +316,7 @@ $(OBJ)/libctl.a: $(filter-out $(CTL_MAIN),$(CTL_OBJ))
 # Names every missing library at once, before the compiler stumbles over one.
 $(O)/gen/packages: Makefile
 	$(Q)mkdir -p $(@D)
-	$(Q)missing=; for p in $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(SPECTRUM_PKGS) $(MODEL_PKGS); do \
+	$(Q)missing=; for p in $(PKGS) $(CTL_PKGS) $(READER_PKGS) $(SPECTRUM_PKGS) $(WEATHER_PKGS) $(MODEL_PKGS); do \
 	    pkg-config --exists $$p 2>/dev/null || missing="$$missing $$p"; done; \
 	for c in protoc protoc-c glslangValidator; do \
 	    command -v $$c >/dev/null || missing="$$missing $$c"; done; \
@@ -741,14 +745,14 @@ FUZZ_WITH_fuzz_coast := server/continents/reader/coastlines.c
 FUZZ_LIBS_fuzz_coast = $(SPECTRUM_LIBS)
 FUZZ_WITH_fuzz_spectrum := $(addprefix server/ocean/reader/,netcdfform.c shelf.c buoy.c datawell.c spotter.c)
 FUZZ_LIBS_fuzz_spectrum = $(SPECTRUM_LIBS)
-FUZZ_WITH_fuzz_forecast := server/weather/reader/names.c $(addprefix server/seabed/reader/,gdal.c hdf5.c)
-FUZZ_LIBS_fuzz_forecast = $(READER_LIBS) $(SPECTRUM_LIBS)
+FUZZ_WITH_fuzz_forecast := $(addprefix server/weather/reader/,axis.c calendar.c gribfile.c names.c netcdfaxes.c netcdffile.c units.c) server/seabed/reader/hdf5.c
+FUZZ_LIBS_fuzz_forecast = $(WEATHER_LIBS)
 FUZZ_WITH_fuzz_raster := $(addprefix server/seabed/reader/,gdal.c hdf5.c exr.c meaning.c netcdf.c)
 FUZZ_LIBS_fuzz_raster = $(READER_LIBS) $(SPECTRUM_LIBS)
 FUZZ_WITH_fuzz_picture := $(addprefix server/panorama/reader/,equirect.c equirectexr.c equirectrgbe.c) server/models/reader/gltfcheck.c
 FUZZ_LIBS_fuzz_picture = $(READER_LIBS) $(SPECTRUM_LIBS) $(MODEL_LIBS)
 FUZZ_LIBS_fuzz_roles = $(SPECTRUM_LIBS)
-# GDAL keeps what the end of its process frees.
+# GDAL and ecCodes keep what the end of their process frees.
 FUZZ_LEAKY := fuzz_forecast fuzz_raster
 define fuzz_rule
 $(O)/bin/$(1): $(call obj,tests/fuzz/$(1).c tests/fuzz/unshaded.c $(FUZZ_WITH_$(1))) $(OBJ)/libserver.a

@@ -2,6 +2,7 @@
 netCDF4. Numbers are functions of latitude, longitude and hours."""
 import os
 import shutil
+import struct
 import subprocess
 
 import numpy as np
@@ -14,6 +15,34 @@ NOON_UNIX_S = 1782043200
 NAMES = {"u10": "10u", "v10": "10v", "swh": "swh", "pp1d": "pp1d",
          "mwp": "mwp", "mwd": "mwd", "shww": "shww", "mpts": "mpts",
          "mdts": "mdts"}
+
+
+# Of one quantum of each number that pelagos-weather hands over.
+QUANTA = [1 / 256, 1 / 256, 1 / 1024, 1 / 1024, np.pi / 32767, 1 / 1024,
+          1 / 1024, np.pi / 32767]
+
+
+def parse(data):
+    """What pelagos-weather wrote: notes, and of each grid (west, south, steps),
+    times and quanta by number."""
+    assert data[:8] == b"pelwthr2", data[:8]
+    count, length = struct.unpack("2I", data[8:16])
+    notes, grids = data[16:16 + length].decode(), []
+    at = 16 + (length + 7) // 8 * 8
+    for _ in range(count):
+        columns, rows, times, has = struct.unpack("4I", data[at:at + 16])
+        place = struct.unpack("4d", data[at + 16:at + 48])
+        unix = np.frombuffer(data, "f8", times, at + 48)
+        at, values = at + 48 + 8 * times, {}
+        for n in range(8):
+            if has >> n & 1:
+                values[n] = np.frombuffer(data, "i2", columns * rows * times,
+                                          at).reshape(times, rows, columns)
+                at += 2 * columns * rows * times
+        at = (at + 7) // 8 * 8
+        grids.append((place, unix, values))
+    assert at == len(data), (at, len(data))
+    return notes, grids
 
 
 def grid(west, north, columns, rows, step):

@@ -53,10 +53,15 @@ static bool find_program(const char *name, char path[4096])
  * tokens. */
 static void choose_environment(char *out[16])
 {
-    static const char *const names[] = { "LD_LIBRARY_PATH", "PROJ_DATA",
-                                         "PROJ_LIB",        "GDAL_DATA",
-                                         "ASAN_OPTIONS",    "LSAN_OPTIONS",
-                                         "TSAN_OPTIONS",    "UBSAN_OPTIONS" };
+    static const char *const names[] = { "LD_LIBRARY_PATH",
+                                         "PROJ_DATA",
+                                         "PROJ_LIB",
+                                         "GDAL_DATA",
+                                         "ECCODES_DEFINITION_PATH",
+                                         "ASAN_OPTIONS",
+                                         "LSAN_OPTIONS",
+                                         "TSAN_OPTIONS",
+                                         "UBSAN_OPTIONS" };
     size_t count = 0;
     for (char **e = environ; *e; e++) {
         for (size_t i = 0; i < sizeof names / sizeof *names; i++) {

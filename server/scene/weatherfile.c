@@ -39,6 +39,10 @@ enum pel_err pel_weather_file_get(const Pelagos__State *state,
         return PEL_OK;
     }
     if (!err) { /* so that the control thread need not */
+        if (*out->field->notes) {
+            pel_info("SCN-033", "sea.field.file %s: %s", file,
+                     out->field->notes);
+        }
         struct pel_growth_law law;
         pel_growth_of(PEL_SPECTRUM_ELFOUHAILY, 0, &law);
     }

@@ -2,6 +2,7 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +15,7 @@ struct field {
     double *latitude_deg, *unix_s;
     int16_t *values[PEL_WEATHER_NUMBERS];
     uint8_t *known;
+    char notes[PEL_WEATHER_MOST_NOTES];
 };
 
 #define WIND_KNOWN 1
@@ -113,16 +115,18 @@ static enum pel_err check_place(const struct pel_weather_grid *g,
     return PEL_OK;
 }
 
-static enum pel_err check(const struct pel_weather_grid *g,
+static enum pel_err check(const struct pel_weather_grid *g, bool waves_alone,
                           struct pel_fault *fault)
 {
     unsigned has = numbers_of(g);
     unsigned waves = has & PEL_WEATHER_WAVES, parts = has & PEL_WEATHER_PARTS;
-    if ((has & PEL_WEATHER_WIND) != PEL_WEATHER_WIND) {
+    if (!waves_alone && (has & PEL_WEATHER_WIND) != PEL_WEATHER_WIND) {
         return pel_fault_set(fault, PEL_ERR_INVALID, "it has no wind");
     }
-    if ((waves && waves != PEL_WEATHER_WAVES) ||
-        (parts && (parts != PEL_WEATHER_PARTS || !waves))) {
+    bool whole = waves == PEL_WEATHER_WAVES &&
+                 (parts == 0 || parts == PEL_WEATHER_PARTS);
+    if (waves_alone ? !whole || (has & PEL_WEATHER_WIND) || g->waves
+                    : (waves || parts) && (!whole || g->waves)) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "it has waves in part: height, period and "
                              "direction go together");
@@ -140,6 +144,7 @@ static void destroy(struct field *f)
         free(f->latitude_deg);
         free(f->unix_s);
         free(f->known);
+        pel_weather_unref(f->public.waves);
         free(f);
     }
 }
@@ -197,6 +202,8 @@ static struct field *allocate(const struct pel_weather_grid *g)
     w->latitude_deg = f->latitude_deg;
     w->unix_s = f->unix_s;
     w->known = f->known;
+    w->notes = f->notes;
+    snprintf(f->notes, sizeof f->notes, "%s", g->notes ? g->notes : "");
     atomic_init(&f->refs, 1);
     return f;
 }
@@ -354,15 +361,18 @@ static enum pel_err take_time(struct field *f, const struct pel_weather_grid *g,
     }
     copy_time(f, g, t);
     unsigned waves = PEL_WEATHER_WAVES | PEL_WEATHER_PARTS;
-    if (!fill(f, t, PEL_WEATHER_WIND, WIND_KNOWN, queue) ||
+    if (((w->has & PEL_WEATHER_WIND) &&
+         !fill(f, t, PEL_WEATHER_WIND, WIND_KNOWN, queue)) ||
         ((w->has & waves) && !fill(f, t, waves, WAVES_KNOWN, queue))) {
-        return pel_fault_set(
-            fault, PEL_ERR_INVALID,
-            "of its times number %d of %d has no %s anywhere", t + 1, w->times,
-            f->known[(size_t)t * (size_t)w->columns * (size_t)w->rows] &
-                    WIND_KNOWN
-                ? "waves"
-                : "wind");
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "of its times number %d of %d has no %s anywhere",
+                             t + 1, w->times,
+                             !(w->has & PEL_WEATHER_WIND) ||
+                                     (f->known[(size_t)t * (size_t)w->columns *
+                                               (size_t)w->rows] &
+                                      WIND_KNOWN)
+                                 ? "waves"
+                                 : "wind");
     }
     if (below) {
         mean_pole(f, t, 0, 1);
@@ -373,11 +383,11 @@ static enum pel_err take_time(struct field *f, const struct pel_weather_grid *g,
     return PEL_OK;
 }
 
-enum pel_err pel_weather_create(const struct pel_weather_grid *grid,
-                                const struct pel_weather **out,
-                                struct pel_fault *fault)
+static enum pel_err create(const struct pel_weather_grid *grid,
+                           bool waves_alone, const struct pel_weather **out,
+                           struct pel_fault *fault)
 {
-    enum pel_err err = check(grid, fault);
+    enum pel_err err = check(grid, waves_alone, fault);
     if (err) {
         return err;
     }
@@ -391,13 +401,24 @@ enum pel_err pel_weather_create(const struct pel_weather_grid *grid,
         err = take_time(f, grid, t, queue, fault);
     }
     free(queue);
+    if (!err && grid->waves) {
+        err = create(grid->waves, true, &f->public.waves, fault);
+    }
     if (err) {
         destroy(f);
         return err;
     }
+    f->public.has |= f->public.waves ? f->public.waves->has : 0;
     f->public.serial = ++serials;
     *out = &f->public;
     return PEL_OK;
+}
+
+enum pel_err pel_weather_create(const struct pel_weather_grid *grid,
+                                const struct pel_weather **out,
+                                struct pel_fault *fault)
+{
+    return create(grid, false, out, fault);
 }
 
 const struct pel_weather *pel_weather_ref(const struct pel_weather *weather)
@@ -505,10 +526,12 @@ static struct train mean_train(const struct pel_weather *w,
     };
 }
 
-void pel_weather_at(const struct pel_weather *w, double latitude_rad,
-                    double longitude_rad, double unix_s,
-                    struct pel_weather_now *out)
+/* Of the numbers that this grid has itself. */
+static void ask(const struct pel_weather *w, double latitude_rad,
+                double longitude_rad, double unix_s,
+                struct pel_weather_now *out)
 {
+    const int16_t *const *v = w->values;
     double latitude = latitude_rad / PEL_DEG;
     bool outside = false;
     struct between x = find_column(w, longitude_rad / PEL_DEG, &outside);
@@ -537,14 +560,16 @@ void pel_weather_at(const struct pel_weather *w, double latitude_rad,
                                                     : PEL_WEATHER_INSIDE,
         .wind_known = known & WIND_KNOWN,
         .waves_known = known & WAVES_KNOWN,
-        .wind_east_mps = mean(&c, w->values[PEL_WEATHER_WIND_EAST]) / 256,
-        .wind_north_mps = mean(&c, w->values[PEL_WEATHER_WIND_NORTH]) / 256,
-        .parts = w->has & 1u << PEL_WEATHER_WIND_HEIGHT,
+        .parts = v[PEL_WEATHER_WIND_HEIGHT] != NULL,
         .height_m = -1,
         .period_s = -1,
         .direction_rad = -1,
     };
-    if (w->values[PEL_WEATHER_HEIGHT]) {
+    if (v[PEL_WEATHER_WIND_EAST]) {
+        out->wind_east_mps = mean(&c, v[PEL_WEATHER_WIND_EAST]) / 256;
+        out->wind_north_mps = mean(&c, v[PEL_WEATHER_WIND_NORTH]) / 256;
+    }
+    if (v[PEL_WEATHER_HEIGHT]) {
         struct train all =
             mean_train(w, &c, false, PEL_WEATHER_PERIOD, PEL_WEATHER_DIRECTION);
         out->height_m = fmax(mean(&c, w->values[PEL_WEATHER_HEIGHT]), 0) / 1024;
@@ -560,5 +585,25 @@ void pel_weather_at(const struct pel_weather *w, double latitude_rad,
         out->swell_period_s = swell.period_s;
         out->swell_direction_rad = swell.direction_rad;
         out->swell_agreement = swell.agreement;
+    }
+}
+
+void pel_weather_at(const struct pel_weather *w, double latitude_rad,
+                    double longitude_rad, double unix_s,
+                    struct pel_weather_now *out)
+{
+    struct pel_weather_now wind;
+    ask(w, latitude_rad, longitude_rad, unix_s, out);
+    if (!w->waves) {
+        return;
+    }
+    wind = *out;
+    ask(w->waves, latitude_rad, longitude_rad, unix_s, out);
+    out->waves_known = out->waves_known && out->place != PEL_WEATHER_OUTSIDE;
+    out->wind_known = wind.wind_known;
+    out->wind_east_mps = wind.wind_east_mps;
+    out->wind_north_mps = wind.wind_north_mps;
+    if (wind.place != PEL_WEATHER_INSIDE) {
+        out->place = wind.place;
     }
 }

@@ -16,6 +16,7 @@
 /* Numbers in all: 256 MiB. */
 #define PEL_WEATHER_MOST_VALUES ((size_t)1 << 27)
 #define PEL_WEATHER_MOST_STEP_DEG 10.0
+#define PEL_WEATHER_MOST_NOTES 1024
 /* Times between the years 1900 and 2100. */
 #define PEL_WEATHER_FIRST_UNIX_S (-2208988800.0)
 #define PEL_WEATHER_LAST_UNIX_S 4102444800.0
@@ -61,6 +62,9 @@ struct pel_weather_grid {
     /* NULL: not in it. Wind always; waves all three or none; parts all
      * three, with waves, or none. */
     const int16_t *values[PEL_WEATHER_NUMBERS];
+    /* Waves of a grid or times of their own, without wind; NULL: none. */
+    const struct pel_weather_grid *waves;
+    const char *notes; /* what of the file a user should know; NULL: nothing */
 };
 
 struct pel_weather {
@@ -78,6 +82,8 @@ struct pel_weather {
     const int16_t *values[PEL_WEATHER_NUMBERS];
     const uint8_t
         *known; /* per node and time: 1 wind, 2 waves are the file's */
+    const struct pel_weather *waves; /* on a grid of their own; NULL: here */
+    const char *notes;               /* of the grid; never NULL */
 };
 
 /* Makes a field; copies all. OUT_OF_RANGE (sizes, steps, place, times),
@@ -101,7 +107,7 @@ struct pel_weather_now {
     enum pel_weather_place place;
     /* Of the nearest node and time: the file has them there. Else the
      * neighbourhood's. */
-    bool wind_known, waves_known;
+    bool wind_known, waves_known; /* waves beyond their own grid are not */
     double wind_east_mps, wind_north_mps; /* at 10 m, it blows to */
     /* All below 0 where the file has no waves. */
     double height_m, period_s, direction_rad; /* they go to, from east */

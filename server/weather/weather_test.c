@@ -4,6 +4,7 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,8 +31,14 @@ static struct made *make(int columns, int rows, double west, double south,
 {
     struct made *m = calloc(1, sizeof *m);
     assert_non_null(m);
-    m->grid = (struct pel_weather_grid){ columns, rows, 3,         west, south,
-                                         step,    step, m->unix_s, { 0 } };
+    m->grid = (struct pel_weather_grid){ .columns = columns,
+                                         .rows = rows,
+                                         .times = 3,
+                                         .west_deg = west,
+                                         .south_deg = south,
+                                         .east_step = step,
+                                         .north_step = step,
+                                         .unix_s = m->unix_s };
     for (int t = 0; t < 3; t++) {
         m->unix_s[t] = 1e9 + 3600 * t * t;
     }
@@ -341,45 +348,118 @@ static void test_refusals(void **state)
     refused(m, PEL_ERR_INVALID, "number 2 of 3 has no wind");
 }
 
-/* Through bytes, and no byte too many or too few. */
-static void test_wire(void **state)
+static double slope(double latitude, double longitude, double unix_s)
+{
+    (void)unix_s;
+    return 2 + 0.05 * latitude + 0.03 * longitude;
+}
+
+static double steady(double latitude, double longitude, double unix_s)
+{
+    (void)latitude;
+    (void)longitude;
+    (void)unix_s;
+    return 0.5;
+}
+
+/* Waves on a grid and at times of their own, which lies within the wind's. */
+static struct made *waves_apart(void)
+{
+    struct made *m = make(9, 5, 2, 3, 0.5);
+    give(m, PEL_WEATHER_HEIGHT, slope);
+    give(m, PEL_WEATHER_PERIOD, slope);
+    give(m, PEL_WEATHER_DIRECTION, steady);
+    m->unix_s[0] -= 5000;
+    return m;
+}
+
+static void test_two_grids(void **state)
 {
     (void)state;
-    enum { NODES = 21 * 11 * 3, SIZE = PEL_WEATHER_WIRE_HEAD + 24 + 4 * NODES };
-    struct made *m = plain();
-    unsigned char *bytes = malloc(SIZE + 2);
-    assert_non_null(bytes);
-    pel_weather_wire_head(&m->grid, bytes);
-    memcpy(bytes + PEL_WEATHER_WIRE_HEAD, m->unix_s, 24);
-    for (int n = 0; n < 2; n++) {
-        memcpy(bytes + SIZE - (2 - n) * 2 * NODES, m->values[n],
-               sizeof(int16_t) * NODES);
-    }
+    struct made *wind = plain(), *waves = waves_apart();
+    wind->grid.waves = &waves->grid;
+    wind->grid.notes = "as it is";
+    const struct pel_weather *alone, *w;
+    struct pel_fault fault;
+    assert_int_equal(pel_weather_create(&wind->grid, &w, &fault), PEL_OK);
+    assert_string_equal(w->notes, "as it is");
+    wind->grid.waves = NULL;
+    assert_int_equal(pel_weather_create(&wind->grid, &alone, &fault), PEL_OK);
+    struct pel_weather_now a = ask(w, 4.3, 3.4, 1e9 + 77);
+    struct pel_weather_now b = ask(alone, 4.3, 3.4, 1e9 + 77);
+    assert_int_equal(a.place, PEL_WEATHER_INSIDE);
+    assert_true(a.wind_known && a.waves_known);
+    assert_true(a.wind_east_mps == b.wind_east_mps);
+    assert_true(a.wind_north_mps == b.wind_north_mps);
+    assert_float_equal(a.height_m, slope(4.3, 3.4, 0), 1e-3);
+    assert_true(b.height_m < 0);
+    /* Where the waves' grid ends they are held, and not known. */
+    a = ask(w, 7, 3.4, 1e9 + 77);
+    assert_int_equal(a.place, PEL_WEATHER_OUTSIDE);
+    assert_true(a.wind_known && !a.waves_known);
+    assert_float_equal(a.height_m, slope(5, 3.4, 0), 1e-3);
+    assert_true(a.wind_east_mps == ask(alone, 7, 3.4, 1e9 + 77).wind_east_mps);
+    pel_weather_unref(w);
+    pel_weather_unref(alone);
+    /* The other grid is whole waves, and nothing else. */
+    wind->grid.waves = &waves->grid;
+    waves->grid.values[PEL_WEATHER_PERIOD] = NULL;
+    assert_int_equal(pel_weather_create(&wind->grid, &w, &fault),
+                     PEL_ERR_INVALID);
+    free(waves);
+    free(wind);
+}
+
+static void through_bytes(struct made *m, struct made *waves)
+{
+    char *bytes = NULL;
+    size_t size = 0;
+    FILE *to = open_memstream(&bytes, &size);
+    m->grid.waves = waves ? &waves->grid : NULL;
+    m->grid.notes = "u10 has no units";
+    assert_non_null(to);
+    assert_true(pel_weather_wire_write(&m->grid, to));
+    fclose(to);
     const struct pel_weather *w, *same = field_of(m);
     struct pel_fault fault;
-    assert_int_equal(pel_weather_wire_read(bytes, SIZE, &w, &fault), PEL_OK);
-    struct pel_weather_now a = ask(w, 3.3, 4.4, 1e9 + 77);
-    struct pel_weather_now b = ask(same, 3.3, 4.4, 1e9 + 77);
+    const unsigned char *all = (const unsigned char *)bytes;
+    assert_int_equal(pel_weather_wire_read(all, size, &w, &fault), PEL_OK);
+    assert_string_equal(w->notes, "u10 has no units");
+    struct pel_weather_now a = ask(w, 4.3, 4.4, 1e9 + 77);
+    struct pel_weather_now b = ask(same, 4.3, 4.4, 1e9 + 77);
     assert_memory_equal(&a, &b, sizeof a);
     assert_true(w->serial != same->serial);
     pel_weather_unref(w);
     pel_weather_unref(same);
-    for (int size = 0; size < SIZE + 2; size += size < 100 ? 1 : 97) {
-        if (size != SIZE) {
-            assert_int_equal(
-                pel_weather_wire_read(bytes, (size_t)size, &w, &fault),
-                PEL_ERR_MALFORMED);
+    bytes = realloc(bytes, size + 16);
+    assert_non_null(bytes);
+    memset(bytes + size, 0, 16);
+    for (size_t n = 0; n < size + 16; n += n < 200 ? 1 : 97) {
+        if (n != size) {
+            assert_int_equal(pel_weather_wire_read((const unsigned char *)bytes,
+                                                   n, &w, &fault),
+                             PEL_ERR_MALFORMED);
         }
     }
     free(bytes);
+    free(waves);
+}
+
+/* Through bytes, and no byte too many or too few. */
+static void test_wire(void **state)
+{
+    (void)state;
+    through_bytes(plain(), NULL);
+    through_bytes(plain(), waves_apart());
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_between),  cmocka_unit_test(test_around),
-        cmocka_unit_test(test_land),     cmocka_unit_test(test_weighted),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_wire),
+        cmocka_unit_test(test_between),   cmocka_unit_test(test_around),
+        cmocka_unit_test(test_land),      cmocka_unit_test(test_weighted),
+        cmocka_unit_test(test_refusals),  cmocka_unit_test(test_wire),
+        cmocka_unit_test(test_two_grids),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -41,7 +41,8 @@ parsers=(proto/json.c proto/jsonread.c proto/patch.c proto/path.c
     server/panorama/reader/{equirect,equirectexr,equirectrgbe}.c
     server/seabed/{load,seabed,wire}.c server/seabed/reader/{exr,gdal,geo}.c
     server/seabed/reader/hdf5.c server/weather/{load,weather,wire}.c
-    server/weather/reader/{forecast,names}.c
+    server/weather/reader/{axis,calendar,forecast,gribfile,names}.c
+    server/weather/reader/{netcdfaxes,netcdffile,units}.c
     server/continents/continents.c server/continents/reader/coastlines.c)
 llvm-cov export -summary-only "${objects[@]:1}" \
     -instr-profile="$out/all.profdata" "${parsers[@]}" >"$out/summary.json"

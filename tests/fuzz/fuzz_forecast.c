@@ -1,7 +1,7 @@
 /* Weather as pelagos-weather reads it. A first byte N: a NetCDF file that the
  * text behind it describes, through the reader and over the wire to the daemon,
- * which takes what the reader gives. K: how a band calls itself, T: its time,
- * F: a file as it is. */
+ * which takes what the reader gives. K: how a field calls itself, T: its
+ * time, F: a file as it is, GRIB too. */
 #include <math.h>
 #include <stdio.h>
 
@@ -9,28 +9,13 @@
 #include "fuzz_kept.h"
 #include "weather/wire.h"
 
-#include <gdal.h>
-
-static GDALDatasetH open_sets[72];
-static size_t open_count;
-
-static GDALDatasetH keep_set(GDALDatasetH set)
-{
-    if (set && open_count < sizeof open_sets / sizeof *open_sets) {
-        open_sets[open_count++] = set;
-    }
-    return set;
-}
-
 #define malloc(n) fuzz_keep(malloc(n))
 #define calloc(n, s) fuzz_keep(calloc(n, s))
 #define free(p) fuzz_drop(p)
-#define GDALOpenEx(a, b, c, d, e) keep_set(GDALOpenEx(a, b, c, d, e))
 #include "weather/reader/forecast.c" /* NOLINT(bugprone-suspicious-include) */
 #undef malloc
 #undef calloc
 #undef free
-#undef GDALOpenEx
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -41,25 +26,15 @@ static void demand(bool fine)
     }
 }
 
-/* The wire's head and what comes behind it, as pelagos-weather writes it. */
+/* As pelagos-weather writes it, to the daemon. */
 static void hand_over(const struct pel_weather_grid *grid)
 {
     const struct pel_weather *w = NULL;
     struct pel_fault fault = { 0 };
-    unsigned char head[PEL_WEATHER_WIRE_HEAD];
     char *bytes = NULL;
-    size_t size = 0, times = (size_t)grid->times;
-    size_t count = (size_t)grid->columns * (size_t)grid->rows * times;
+    size_t size = 0;
     FILE *to = open_memstream(&bytes, &size);
-    demand(to != NULL);
-    pel_weather_wire_head(grid, head);
-    demand(fwrite(head, sizeof head, 1, to) == 1 &&
-           fwrite(grid->unix_s, sizeof *grid->unix_s, times, to) == times);
-    for (int n = 0; n < PEL_WEATHER_NUMBERS; n++) {
-        const int16_t *v = grid->values[n];
-        demand(!v || fwrite(v, sizeof *v, count, to) == count);
-    }
-    demand(fclose(to) == 0);
+    demand(to != NULL && pel_weather_wire_write(grid, to) && fclose(to) == 0);
     /* Or it has a reason that its fields do not suffice. */
     if (pel_weather_wire_read((unsigned char *)bytes, size, &w, &fault)) {
         demand(fault.code != PEL_ERR_MALFORMED && fault.message[0] != '\0');
@@ -78,13 +53,11 @@ static void read_file(const char *path)
     } else {
         hand_over(&grid);
     }
-    while (open_count > 0) {
-        GDALClose(open_sets[--open_count]);
-    }
     fuzz_release();
 }
 
-/* element|standard|level|discipline|category|number */
+/* variable|standard|discipline|category|number|paramId; the variable is tried
+ * as a unit, too. */
 static void name_kind(char *text)
 {
     struct pel_forecast_kind kind;
@@ -93,22 +66,33 @@ static void name_kind(char *text)
     for (int i = 0; i < 6 && text; i++) {
         part[i] = strsep(&text, "|");
     }
-    name.element = part[0];
-    name.standard = part[1];
-    name.level = part[2] && *part[2] ? part[2] : NULL;
+    name.variable = part[0];
+    name.standard = part[1] && *part[1] ? part[1] : NULL;
     for (int i = 0; i < 3; i++) {
-        name.parameter[i] =
-            part[3 + i] ? (int)strtol(part[3 + i], NULL, 10) : -1;
+        name.parameter[i] = part[2 + i] ? strtol(part[2 + i], NULL, 10) : -1;
     }
+    name.id = part[5] ? strtol(part[5], NULL, 10) : -1;
     if (pel_forecast_kind_of(&name, &kind)) {
-        demand((unsigned)kind.number < PEL_WEATHER_NUMBERS && kind.factor != 0);
+        demand((unsigned)kind.number < PEL_FORECAST_NUMBERS &&
+               kind.factor != 0 && pel_forecast_name_of(kind.number));
+    }
+    for (int q = PEL_FORECAST_MPS; part[0] && q <= PEL_FORECAST_DEG; q++) {
+        double factor = 0;
+        if (pel_forecast_unit(part[0], (enum pel_forecast_quantity)q,
+                              &factor)) {
+            demand(factor >= 0);
+        }
     }
 }
 
+/* value units|calendar */
 static void name_time(char *text)
 {
+    struct pel_fault fault;
     double unix_s = 0, value = strtod(text, &text);
-    if (pel_forecast_time(text + (*text == ' '), value, &unix_s)) {
+    const char *units = strsep(&text, "|");
+    if (!pel_forecast_time(units + (*units == ' '), text, value, &unix_s,
+                           &fault)) {
         demand(isfinite(unix_s));
     }
 }
@@ -116,7 +100,7 @@ static void name_time(char *text)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     static bool prepared;
-    const char *places[PEL_GDAL_MOST_PLACES + 1];
+    const char *places[PEL_FORECAST_MOST_PLACES + 1];
     if (!prepared) {
         pel_forecast_prepare(places);
         prepared = true;

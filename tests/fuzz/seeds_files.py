@@ -173,8 +173,8 @@ def height_fields():
 
 
 def weather_fields():
-    def field(columns=3, rows=3, times=2, has=0xff, west=3, south=51, east=1,
-              north=1, start=1.78e9, step=3600, value=100, cut=0):
+    def grid(columns=3, rows=3, times=2, has=0xff, west=3, south=51, east=1,
+             north=1, start=1.78e9, step=3600, value=100):
         count = bin(has).count("1") * columns * rows * times
         values = [value(i) if callable(value) else value for i in range(count)]
         data = struct.pack("<4I4d", columns, rows, times, has, west, south,
@@ -182,6 +182,14 @@ def weather_fields():
         data += struct.pack(f"<{times}d", *(start + step * t
                                             for t in range(times)))
         data += struct.pack(f"<{count}h", *values)
+        return data + bytes(-len(data) % 8)
+
+    def whole(grids, notes=b""):
+        return (struct.pack("<2I", len(grids), len(notes)) + notes
+                + bytes(-len(notes) % 8) + b"".join(grids))
+
+    def field(*place, cut=0, **more):
+        data = whole([grid(*place, **more)])
         return data[:len(data) - cut]
     some = {"whole": field(), "wind": field(has=3), "waves": field(has=0x1f),
             "no-wind": field(has=1), "part": field(has=7),
@@ -191,6 +199,13 @@ def weather_fields():
             "beyond": field(south=89), "west": field(west=500),
             "falling": field(step=-1), "early": field(start=-1e12),
             "nan": field(start=float("nan")), "narrow": field(columns=1),
+            "apart": whole([grid(has=3), grid(5, 4, 3, 0x1c)]),
+            "apart-parts": whole([grid(has=3), grid(has=0xfc)], b"u10"),
+            "apart-both": whole([grid(has=0x1f), grid(has=0x1c)]),
+            "apart-wind": whole([grid(has=3), grid(has=3)]),
+            "three": whole([grid(has=3), grid(has=0x1c), grid(has=3)]),
+            "notes": whole([grid()], b"n" * 1023),
+            "notes-long": whole([grid()], b"n" * 1024),
             "holes": field(value=lambda i: -32768 if i % 4 == 0 else i),
             "no-data": field(value=-32768), "huge": struct.pack(
                 "<4I4d", 9999, 9999, 9999, 255, 0, 0, 1, 1),

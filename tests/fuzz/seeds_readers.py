@@ -236,12 +236,13 @@ def forecast_seeds():
         "times-alike": weather(wind).replace("= time 0 1", "= time 1 1"),
         "times-vast": weather(wind).replace("= time 0 1", "= time 1e300 1"),
         "no-netcdf": "Fother bytes", "empty": "F", "cdf": "FCDF\1"}.items()
-    for i, text in enumerate(("u10", "|eastward_wind", "UGRD||10-HTGL|0|2|2",
-                              "UGRD||2-HTGL|0|2|2", "UGRD||0-ISBL|0|2|2",
-                              "x||0-SFC|10|0|3", "DIRPW||0-SFC|10|0|10",
-                              "WWSDIR|||10|0|14", "y|||192|140|239",
-                              "y|||192|140|238", "MWD", "", "||", "|||0",
-                              "|sea_surface_wave_to_direction")):
+    for i, text in enumerate((
+            "u10", "|eastward_wind", "||0|2|2", "||0|2|2|131", "|||||140239",
+            "||10|0|3", "||10|0|10", "||10|0|14", "||192|140|239", "MWD", "",
+            "||", "|||0", "|sea_surface_wave_to_direction", "m s**-1", "knots",
+            "km/h", "0.01 m.s^-1", "metres per second", "degrees_true",
+            "Degree (clockwise from north)", "radians", "fathom", "hours",
+            "Hz", "m s-99999999999", "1e999 m", "/", "s2 m2")):
         yield f"kind-{i}", "K" + text
     for i, text in enumerate((
             "3 hours since 2026-06-21 12:00:00", "3 h since 2026-06-21T12:00:00",
@@ -250,7 +251,12 @@ def forecast_seeds():
             "3 hours since 1970-01-01 00:00:00 +02:00", "3 months since 1-1-1",
             "1e300 days since 1900-1-1", "nan days since 1900-1-1", "x", "3",
             "3 days since -2147483648-1-1", "3 days since 1-99999-99999",
-            "3 days since 1900-1-1 99:99:1e300")):
+            "3 days since 1900-1-1 99:99:1e300",
+            "739788 days since 0001-01-01|standard",
+            "3 days since 1900-2-29|360_day", "59 days since 1901-1-1|360_day",
+            "59 days since 1901-1-1|all_leap", "3 s since 1901-1-1|noleap",
+            "-9e9 weeks since 9999-12-31|julian", "3 s since 1970-1-1|moon",
+            "3 s since 1582-10-15|proleptic_gregorian")):
         yield f"time-{i}", "T" + text
 
 

@@ -1,196 +1,161 @@
+/* Which of a file's fields count, and the grids that they make. */
 #include "weather/reader/forecast.h"
 
-#include <cpl_error.h>
-#include <cpl_string.h>
-#include <gdal.h>
-#include <gdal_frmts.h>
 #include <math.h>
-#include <ogr_srs_api.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
-#define MOST_BANDS 65536
-#define MOST_PARTS 64
+#include "seabed/reader/gdal.h"
 
-/* A band that holds one of our numbers at one time. */
-struct band {
-    struct pel_forecast_kind kind;
-    double unix_s;
-    GDALRasterBandH band;
-};
+/* --- what a file hands over -------------------------------------------------
+ */
 
-struct file {
-    struct band *bands;
-    size_t count;
-    bool untimed;      /* one of our numbers had no time */
-    GDALDatasetH grid; /* the first with one of our numbers */
-};
-
-/* Both read the file that they are given, and none that it names. */
-static void (*const drivers[])(void) = { GDALRegister_GRIB,
-                                         GDALRegister_netCDF };
-
-void pel_forecast_prepare(const char *places[PEL_GDAL_MOST_PLACES + 1])
+void pel_forecast_words_add(struct pel_forecast_words *words,
+                            const char *format, ...)
 {
-    pel_gdal_prepare(drivers, sizeof drivers / sizeof *drivers, places);
-}
-
-static const char *name_of(enum pel_weather_number number)
-{
-    static const char *const names[] = {
-        [PEL_WEATHER_WIND_EAST] = "wind to the east (UGRD, u10)",
-        [PEL_WEATHER_WIND_NORTH] = "wind to the north (VGRD, v10)",
-        [PEL_WEATHER_HEIGHT] = "significant wave height (HTSGW, swh)",
-        [PEL_WEATHER_PERIOD] = "peak period (PWPER, PERPW, pp1d, mwp)",
-        [PEL_WEATHER_DIRECTION] = "wave direction (WWSDIR, DIRPW, mwd)",
-        [PEL_WEATHER_WIND_HEIGHT] = "height of the wind sea (WVHGT, shww)",
-        [PEL_WEATHER_SWELL_PERIOD] = "period of the swell (SWPER, mpts)",
-        [PEL_WEATHER_SWELL_DIRECTION] = "direction of the swell (SWDIR, mdts)",
-    };
-    return names[number];
-}
-
-static const char *when(double unix_s, char out[32])
-{
-    time_t t = (time_t)unix_s;
-    struct tm at;
-    if (!gmtime_r(&t, &at) || !strftime(out, 32, "%Y-%m-%dT%H:%M:%SZ", &at)) {
-        snprintf(out, 32, "%.0f s", unix_s);
+    char word[128];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(word, sizeof word, format, arguments);
+    va_end(arguments);
+    size_t length = strlen(words->text);
+    if (strstr(words->text, word) || strstr(words->text, "…")) {
+        return;
     }
-    return out;
+    bool fits = length + strlen(word) + 8 < sizeof words->text;
+    snprintf(words->text + length, sizeof words->text - length, "%s%s",
+             length ? ", " : "", fits ? word : "…");
 }
 
-/* --- what the bands are --------------------------------------------------- */
-
-/* GRIB says it of each band, NetCDF by a dimension whose units have "since". */
-static bool time_of(GDALDatasetH set, GDALRasterBandH band, double *unix_s)
+void pel_forecast_note(struct pel_forecast_file *file, const char *format, ...)
 {
-    const char *valid = GDALGetMetadataItem(band, "GRIB_VALID_TIME", NULL);
-    if (valid) {
-        *unix_s = strtod(valid, NULL);
-        return fabs(*unix_s) < PEL_FORECAST_MOST_UNIX_S;
+    char note[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(note, sizeof note, format, arguments);
+    va_end(arguments);
+    size_t length = strlen(file->notes);
+    if (!strstr(file->notes, note) &&
+        length + strlen(note) + 3 < sizeof file->notes) {
+        snprintf(file->notes + length, sizeof file->notes - length, "%s%s",
+                 length ? "; " : "", note);
     }
-    char **items = GDALGetMetadata(band, NULL);
-    for (int i = 0; items && items[i]; i++) {
-        static const char start[] = "NETCDF_DIM_";
-        char key[96];
-        const char *equals = strchr(items[i], '=');
-        if (!equals || strncmp(items[i], start, sizeof start - 1) != 0) {
-            continue;
-        }
-        const char *dimension = items[i] + sizeof start - 1;
-        snprintf(key, sizeof key, "%.*s#units", (int)(equals - dimension),
-                 dimension);
-        const char *units = GDALGetMetadataItem(set, key, NULL);
-        if (units &&
-            pel_forecast_time(units, strtod(equals + 1, NULL), unix_s)) {
+}
+
+enum pel_err pel_forecast_add(struct pel_forecast_file *file,
+                              const struct pel_forecast_slice *slice,
+                              struct pel_fault *fault)
+{
+    if (!file->slices) {
+        file->slices = calloc(PEL_FORECAST_MOST_SLICES, sizeof *file->slices);
+    }
+    if (!file->slices) {
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    }
+    if (file->count == PEL_FORECAST_MOST_SLICES) {
+        return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                             "it has more than %d fields that are read",
+                             PEL_FORECAST_MOST_SLICES);
+    }
+    file->slices[file->count++] = *slice;
+    return PEL_OK;
+}
+
+/* --- which of them count ----------------------------------------------------
+ */
+
+#define CONTROL 16
+
+/* Of a number: a single run before an ensemble's control, then the least rank.
+ */
+static int key_of(const struct pel_forecast_slice *s)
+{
+    return s->kind.rank + (s->control ? CONTROL : 0);
+}
+
+static bool has_key(const struct pel_forecast_file *file, int number, int key)
+{
+    for (size_t i = 0; i < file->count; i++) {
+        if (file->slices[i].kind.number == number &&
+            key_of(&file->slices[i]) == key) {
             return true;
         }
     }
     return false;
 }
 
-static void name_band(GDALDatasetH set, GDALRasterBandH band,
-                      struct pel_forecast_name *out)
+#define MOST_KEYS (2 * CONTROL)
+
+/* The least key of a number, and of its partner too, where it has one; -1:
+ * none. */
+static int best_key(const struct pel_forecast_file *file, int number,
+                    int partner)
 {
-    char key[160];
-    const char *discipline = GDALGetMetadataItem(band, "GRIB_DISCIPLINE", NULL);
-    const char *numbers =
-        GDALGetMetadataItem(band, "GRIB_PDS_TEMPLATE_NUMBERS", NULL);
-    *out = (struct pel_forecast_name){
-        .element = GDALGetMetadataItem(band, "GRIB_ELEMENT", NULL),
-        .level = GDALGetMetadataItem(band, "GRIB_SHORT_NAME", NULL),
-        .parameter = { -1, -1, -1 },
-    };
-    if (discipline && numbers &&
-        sscanf(numbers, "%d %d", &out->parameter[1], &out->parameter[2]) == 2) {
-        out->parameter[0] = atoi(discipline);
+    for (int key = 0; key < MOST_KEYS; key++) {
+        if (has_key(file, number, key) && has_key(file, partner, key)) {
+            return key;
+        }
     }
-    if (!out->element) {
-        out->element = GDALGetMetadataItem(band, "NETCDF_VARNAME", NULL);
-        out->standard = GDALGetMetadataItem(band, "standard_name", NULL);
-    }
-    if (!out->standard && out->element) {
-        snprintf(key, sizeof key, "%.120s#standard_name", out->element);
-        out->standard = GDALGetMetadataItem(set, key, NULL);
-    }
+    return -1;
 }
 
-static bool same_grid(GDALDatasetH a, GDALDatasetH b)
+static bool same_axis(const struct pel_forecast_axis *a,
+                      const struct pel_forecast_axis *b, double turn)
 {
-    double s[6] = { 0 }, t[6] = { 0 };
-    bool placed = GDALGetGeoTransform(a, s) == GDALGetGeoTransform(b, t);
-    bool same = placed && GDALGetRasterXSize(a) == GDALGetRasterXSize(b) &&
-                GDALGetRasterYSize(a) == GDALGetRasterYSize(b);
-    for (int i = 0; i < 6; i++) {
-        same = same && fabs(s[i] - t[i]) < 1e-4;
-    }
-    return same;
+    double off = fabs(a->first - b->first);
+    off = turn > 0 ? fabs(remainder(off, turn)) : off;
+    double allowed = 1e-3 * a->step;
+    return a->count == b->count && off <= allowed &&
+           fabs(a->step - b->step) * a->count <= allowed;
 }
 
-static enum pel_err list_bands(GDALDatasetH set, struct file *file,
-                               struct pel_fault *fault)
+static bool same_grid(const struct pel_forecast_slice *a,
+                      const struct pel_forecast_slice *b)
 {
-    for (int i = 1; i <= GDALGetRasterCount(set); i++) {
-        struct pel_forecast_name name;
-        struct band b = { .band = GDALGetRasterBand(set, i) };
-        name_band(set, b.band, &name);
-        if (!pel_forecast_kind_of(&name, &b.kind)) {
+    return same_axis(&a->x, &b->x, 360) && same_axis(&a->y, &b->y, 0);
+}
+
+static const char *describe_grid(const struct pel_forecast_slice *s,
+                                 char out[72])
+{
+    snprintf(out, 72, "%d × %d from %.6g, %.6g by %.4g°", s->x.count,
+             s->y.count, s->y.first, s->x.first, s->x.step);
+    return out;
+}
+
+/* Numbers of one grid and times: the wind's, or the waves'. */
+struct group {
+    int numbers[PEL_FORECAST_NUMBERS], keys[PEL_FORECAST_NUMBERS];
+    size_t count;
+    const struct pel_forecast_slice *first; /* whose grid is that of all */
+    double *times;
+    int time_count;
+};
+
+static enum pel_err join(const struct pel_forecast_file *file, struct group *g,
+                         int number, int key, struct pel_fault *fault)
+{
+    char a[72], b[72];
+    for (size_t i = 0; i < file->count; i++) {
+        const struct pel_forecast_slice *s = &file->slices[i];
+        if (s->kind.number != number || key_of(s) != key) {
             continue;
         }
-        if (!time_of(set, b.band, &b.unix_s)) {
-            file->untimed = true;
-            continue;
-        }
-        if (file->grid && !same_grid(file->grid, set)) {
+        g->first = g->first ? g->first : s;
+        if (!same_grid(g->first, s)) {
             return pel_fault_set(fault, PEL_ERR_INVALID,
-                                 "its %s is on another grid than the rest: "
-                                 "bring all to one, as by cdo remapbil",
-                                 name_of(b.kind.number));
+                                 "%s is on another grid (%s) than %s (%s): "
+                                 "bring both to one, as by cdo remapbil",
+                                 s->label, describe_grid(s, a), g->first->label,
+                                 describe_grid(g->first, b));
         }
-        if (file->count == MOST_BANDS) {
-            return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
-                                 "it has more than %d fields that are read",
-                                 MOST_BANDS);
-        }
-        file->grid = file->grid ? file->grid : set;
-        file->bands[file->count++] = b;
     }
+    g->numbers[g->count] = number;
+    g->keys[g->count++] = key;
     return PEL_OK;
 }
-
-static enum pel_err list_file(const char *path, struct file *file,
-                              struct pel_fault *fault)
-{
-    static const char *const options[] = { "USE_IDX=NO", NULL };
-    GDALDatasetH whole = GDALOpenEx(
-        path, GDAL_OF_RASTER | GDAL_OF_VERBOSE_ERROR, NULL, options, NULL);
-    file->bands = calloc(MOST_BANDS, sizeof *file->bands);
-    if (!file->bands) {
-        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
-    }
-    if (!whole) {
-        const char *why = CPLGetLastErrorMsg();
-        return pel_fault_set(fault, PEL_ERR_INVALID,
-                             "no GRIB or NetCDF with grids%s%.120s",
-                             *why ? ": " : "", why);
-    }
-    enum pel_err err = list_bands(whole, file, fault);
-    char **parts = GDALGetMetadata(whole, "SUBDATASETS");
-    for (int i = 1; !err && i <= MOST_PARTS; i++) {
-        char key[40];
-        snprintf(key, sizeof key, "SUBDATASET_%d_NAME", i);
-        const char *part = CSLFetchNameValue(parts, key);
-        GDALDatasetH set =
-            part ? GDALOpenEx(part, GDAL_OF_RASTER, NULL, NULL, NULL) : NULL;
-        err = set ? list_bands(set, file, fault) : PEL_OK;
-    }
-    return err;
-}
-
-/* --- which of them count -------------------------------------------------- */
 
 static int by_time(const void *a, const void *b)
 {
@@ -198,9 +163,9 @@ static int by_time(const void *a, const void *b)
     return (*p > *q) - (*p < *q);
 }
 
-/* Times of the wind, which everything else must have too. */
-static enum pel_err find_times(const struct file *file, double **out,
-                               int *count, struct pel_fault *fault)
+/* Times of the group's first number, which its others must have too. */
+static enum pel_err find_times(const struct pel_forecast_file *file,
+                               struct group *g, struct pel_fault *fault)
 {
     size_t n = 0;
     double *times = calloc(file->count + 1, sizeof *times);
@@ -208,20 +173,13 @@ static enum pel_err find_times(const struct file *file, double **out,
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
     for (size_t i = 0; i < file->count; i++) {
-        if (file->bands[i].kind.number == PEL_WEATHER_WIND_EAST) {
-            times[n++] = file->bands[i].unix_s;
+        const struct pel_forecast_slice *s = &file->slices[i];
+        if (s->kind.number == g->numbers[0] && key_of(s) == g->keys[0]) {
+            times[n++] = s->unix_s;
         }
     }
-    if (n == 0) {
-        return pel_fault_set(
-            fault, PEL_ERR_INVALID,
-            file->untimed ? "its fields have no time: NetCDF needs a dimension "
-                            "with units \"hours since 1970-01-01\" or the like"
-                          : "it has no wind 10 m above the sea (UGRD and VGRD, "
-                            "u10 and v10)");
-    }
     qsort(times, n, sizeof *times, by_time);
-    size_t kept = 1;
+    size_t kept = n > 0;
     for (size_t i = 1; i < n; i++) {
         if (times[i] > times[kept - 1]) {
             times[kept++] = times[i];
@@ -232,65 +190,223 @@ static enum pel_err find_times(const struct file *file, double **out,
                              "it has %zu times; at most %d", kept,
                              PEL_WEATHER_MOST_TIMES);
     }
-    *out = times;
-    *count = (int)kept;
+    g->times = times;
+    g->time_count = (int)kept;
     return PEL_OK;
 }
 
-/* Of the kinds of one number that with the least rank; −1: none. */
-static int best_rank(const struct file *file, enum pel_weather_number number)
+/* Wind by its components, else by speed and direction. */
+static enum pel_err choose_wind(const struct pel_forecast_file *file,
+                                struct group *g, struct pel_fault *fault)
 {
-    int best = -1;
-    for (size_t i = 0; i < file->count; i++) {
-        const struct pel_forecast_kind *k = &file->bands[i].kind;
-        if (k->number == number && (best < 0 || k->rank < best)) {
-            best = k->rank;
+    static const int pairs[][2] = {
+        { PEL_WEATHER_WIND_EAST, PEL_WEATHER_WIND_NORTH },
+        { PEL_FORECAST_SPEED, PEL_FORECAST_WIND_WAY },
+    };
+    for (size_t i = 0; i < 2; i++) {
+        int key = best_key(file, pairs[i][0], pairs[i][1]);
+        if (key >= 0) {
+            enum pel_err err = join(file, g, pairs[i][0], key, fault);
+            err = err ? err : join(file, g, pairs[i][1], key, fault);
+            return err ? err : find_times(file, g, fault);
         }
     }
-    return best;
+    const char *unread = file->unread.text;
+    bool east =
+        best_key(file, PEL_WEATHER_WIND_EAST, PEL_WEATHER_WIND_EAST) >= 0;
+    bool north =
+        best_key(file, PEL_WEATHER_WIND_NORTH, PEL_WEATHER_WIND_NORTH) >= 0;
+    return pel_fault_set(
+        fault, PEL_ERR_INVALID, "it has no %s%s%s",
+        north  ? pel_forecast_name_of(PEL_WEATHER_WIND_EAST)
+        : east ? pel_forecast_name_of(PEL_WEATHER_WIND_NORTH)
+               : "wind 10 m above the sea at instants of one run or of the "
+                 "control (UGRD and VGRD, u10 and v10)",
+        *unread ? "; not read: " : "", unread);
 }
 
-static const struct band *find_band(const struct file *file,
-                                    enum pel_weather_number number, int rank,
-                                    double unix_s)
+/* Waves are whole or not there; parts that are not whole are left out. */
+static enum pel_err choose_waves(struct pel_forecast_file *file,
+                                 struct group *g, struct pel_fault *fault)
 {
-    for (size_t i = 0; i < file->count; i++) {
-        const struct band *b = &file->bands[i];
-        if (b->kind.number == number && b->kind.rank == rank &&
-            b->unix_s == unix_s) {
-            return b;
+    int keys[PEL_WEATHER_NUMBERS];
+    bool any = false, parts = true, some_part = false;
+    enum pel_err err = PEL_OK;
+    for (int n = 0; n < PEL_WEATHER_NUMBERS; n++) {
+        keys[n] = best_key(file, n, n);
+        bool wave = PEL_WEATHER_WAVES & 1u << n;
+        bool part = PEL_WEATHER_PARTS & 1u << n;
+        any = any || (wave && keys[n] >= 0);
+        parts = parts && (!part || keys[n] >= 0);
+        some_part = some_part || (part && keys[n] >= 0);
+    }
+    unsigned wanted =
+        !any ? 0 : PEL_WEATHER_WAVES | (parts ? PEL_WEATHER_PARTS : 0);
+    for (int n = 0; !err && n < PEL_WEATHER_NUMBERS; n++) {
+        if ((wanted & 1u << n) && keys[n] < 0) {
+            const char *unread = file->unread.text;
+            return pel_fault_set(fault, PEL_ERR_INVALID, "it has no %s%s%s",
+                                 pel_forecast_name_of(n),
+                                 *unread ? "; not read: " : "", unread);
+        }
+        if (wanted & 1u << n) {
+            err = join(file, g, n, keys[n], fault);
         }
     }
-    return NULL;
+    if (some_part && !(any && parts)) {
+        pel_forecast_note(file, "wind sea and swell apart are left out: height "
+                                "of the one, period and direction of the other "
+                                "go together");
+    }
+    return err || !any ? err : find_times(file, g, fault);
 }
 
-/* --- the grid ------------------------------------------------------------- */
+/* --- their numbers -----------------------------------------------------------
+ */
 
-static enum pel_err place_grid(GDALDatasetH set, struct pel_weather_grid *out,
-                               bool *north_up, struct pel_fault *fault)
+/* What a number may be, before it is said to be a mistake of the file. */
+static bool is_possible(const struct pel_forecast_kind *kind, double v)
 {
-    double t[6];
-    OGRSpatialReferenceH srs = GDALGetSpatialRef(set);
-    if (GDALGetGeoTransform(set, t) || t[2] != 0 || t[4] != 0 || !(t[1] > 0) ||
-        t[5] == 0 || (srs && !OSRIsGeographic(srs))) {
-        return pel_fault_set(
-            fault, PEL_ERR_INVALID,
-            "its grid has no equal steps of latitude and "
-            "longitude: bring it to one, as by gdalwarp -t_srs "
-            "EPSG:4326 or cdo remapbil");
+    switch (kind->quantity) {
+    case PEL_FORECAST_MPS:
+        return fabs(v) <= 120 && (kind->number != PEL_FORECAST_SPEED || v >= 0);
+    case PEL_FORECAST_DEG:
+        return fabs(v) <= 720;
+    case PEL_FORECAST_HZ:
+        return v >= 0;
+    default:
+        return v >= -0.1 && v <= 31.9;
     }
-    out->columns = GDALGetRasterXSize(set);
-    out->rows = GDALGetRasterYSize(set);
-    out->east_step = t[1];
-    out->north_step = fabs(t[5]);
-    out->west_deg = t[0] + 0.5 * t[1];
-    *north_up = t[5] < 0;
-    out->south_deg = t[3] + (*north_up ? (out->rows - 0.5) * t[5] : 0.5 * t[5]);
+}
+
+static double ours(const struct pel_forecast_kind *kind, double v)
+{
+    switch (kind->quantity) {
+    case PEL_FORECAST_DEG:
+        return remainder(v * kind->factor + kind->offset, 360) * (M_PI / 180);
+    case PEL_FORECAST_HZ:
+        return v > 0 ? 1 / v : NAN;
+    case PEL_FORECAST_MPS:
+        return v;
+    default:
+        return fmax(v * kind->factor, 0);
+    }
+}
+
+/* A field in our units, NAN where there is none. */
+static enum pel_err read_slice(struct pel_forecast_file *file,
+                               const struct pel_forecast_slice *s,
+                               double *plane, struct pel_fault *fault)
+{
+    char at[32];
+    size_t nodes = (size_t)s->x.count * (size_t)s->y.count;
+    enum pel_err err = file->read(file, s, plane, fault);
+    for (size_t i = 0; !err && i < nodes; i++) {
+        double v = plane[i];
+        if (isnan(v)) {
+            continue;
+        }
+        if (!is_possible(&s->kind, v)) {
+            return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                                 "%s (%s) at %s has %g, which cannot be; a "
+                                 "fill value that is not declared?",
+                                 pel_forecast_name_of(s->kind.number), s->label,
+                                 pel_forecast_when(s->unix_s, at), v);
+        }
+        plane[i] = ours(&s->kind, v);
+        if (s->kind.quantity == PEL_FORECAST_HZ && plane[i] > 31.9) {
+            return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                                 "%s (%s) at %s has a period of %g s, which "
+                                 "cannot be",
+                                 pel_forecast_name_of(s->kind.number), s->label,
+                                 pel_forecast_when(s->unix_s, at), plane[i]);
+        }
+    }
+    if (!err && s->kind.remark) {
+        pel_forecast_note(file, "%s", s->kind.remark);
+    }
+    return err;
+}
+
+static bool same_values(const double *a, const double *b, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (isnan(a[i]) != isnan(b[i]) || fabs(a[i] - b[i]) > 0.05) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* A group's number at a time: of several runs the newest's. Two fields of one
+ * run must be the same. `planes`: room for two. */
+static enum pel_err read_at(struct pel_forecast_file *file,
+                            const struct group *g, size_t k, double unix_s,
+                            double *planes, struct pel_fault *fault)
+{
+    char at[32], run[32];
+    size_t nodes = (size_t)g->first->x.count * (size_t)g->first->y.count;
+    const struct pel_forecast_slice *best = NULL;
+    for (size_t i = 0; i < file->count; i++) {
+        const struct pel_forecast_slice *s = &file->slices[i];
+        if (s->kind.number == g->numbers[k] && key_of(s) == g->keys[k] &&
+            s->unix_s == unix_s) {
+            if (best && best->run_s != s->run_s) {
+                pel_forecast_note(file, "of times that several runs have, the "
+                                        "newest run's are taken");
+            }
+            best = !best || s->run_s > best->run_s ? s : best;
+        }
+    }
+    if (!best) {
+        return pel_fault_set(fault, PEL_ERR_INVALID, "it has no %s at %s",
+                             pel_forecast_name_of(g->numbers[k]),
+                             pel_forecast_when(unix_s, at));
+    }
+    enum pel_err err = read_slice(file, best, planes, fault);
+    for (size_t i = (size_t)(best - file->slices) + 1; !err && i < file->count;
+         i++) {
+        const struct pel_forecast_slice *s = &file->slices[i];
+        if (s->kind.number != g->numbers[k] || key_of(s) != g->keys[k] ||
+            s->unix_s != unix_s || s->run_s != best->run_s) {
+            continue;
+        }
+        err = read_slice(file, s, planes + nodes, fault);
+        if (!err && !same_values(planes, planes + nodes, nodes)) {
+            return pel_fault_set(
+                fault, PEL_ERR_INVALID,
+                "at %s it has two different fields of one run (%s): %s and "
+                "%s; keep one",
+                pel_forecast_when(unix_s, at),
+                best->run_s > -PEL_FORECAST_MOST_UNIX_S
+                    ? pel_forecast_when(best->run_s, run)
+                    : "of no date",
+                best->label, s->label);
+        }
+    }
+    return err;
+}
+
+static enum pel_err place_grid(const struct group *g,
+                               struct pel_weather_grid *out,
+                               struct pel_fault *fault)
+{
+    const struct pel_forecast_axis *x = &g->first->x, *y = &g->first->y;
+    out->columns = x->count;
+    out->rows = y->count;
+    out->times = g->time_count;
+    out->unix_s = g->times;
+    out->west_deg = x->first - (x->first > 360 ? 360 : 0);
+    out->east_step = x->step;
+    out->south_deg = y->first;
+    out->north_step = y->step;
     /* Rounded single precision, as files have it. */
-    if (fabs(fabs(out->south_deg) - 90) < 1e-3) {
-        out->south_deg = copysign(90, out->south_deg);
-        out->north_step =
-            fmin(out->north_step, (90 - out->south_deg) / (out->rows - 1));
+    if (fabs(out->south_deg + 90) < 1e-3) {
+        out->south_deg = -90;
+    }
+    double north = out->south_deg + (out->rows - 1) * out->north_step;
+    if (fabs(north - 90) < 1e-3) {
+        out->north_step = (90 - out->south_deg) / (out->rows - 1);
     }
     if (out->columns > PEL_WEATHER_MOST_COLUMNS ||
         out->rows > PEL_WEATHER_MOST_ROWS) {
@@ -302,171 +418,137 @@ static enum pel_err place_grid(GDALDatasetH set, struct pel_weather_grid *out,
     return PEL_OK;
 }
 
-/* What a number may be, before it is said to be a mistake of the file. */
-static bool is_possible(enum pel_weather_number number, double v)
+static size_t values_of(const struct group *g)
 {
-    switch (number) {
-    case PEL_WEATHER_WIND_EAST:
-    case PEL_WEATHER_WIND_NORTH:
-        return fabs(v) <= 120;
-    case PEL_WEATHER_DIRECTION:
-    case PEL_WEATHER_SWELL_DIRECTION:
-        return fabs(v) <= 720;
-    default:
-        return v >= -0.1 && v <= 31.9;
+    return g->count * (size_t)g->time_count * (size_t)g->first->x.count *
+           (size_t)g->first->y.count;
+}
+
+/* The wind's components from its speed and the way that it goes. */
+static void keep_polar(const double *speeds, const double *ways, size_t nodes,
+                       int16_t *east, int16_t *north)
+{
+    for (size_t i = 0; i < nodes; i++) {
+        /* Calm has no direction. */
+        double way = speeds[i] == 0 && isnan(ways[i]) ? 0 : ways[i];
+        east[i] =
+            pel_weather_quantise(PEL_WEATHER_WIND_EAST, speeds[i] * cos(way));
+        north[i] =
+            pel_weather_quantise(PEL_WEATHER_WIND_NORTH, speeds[i] * sin(way));
     }
 }
 
-static int16_t keep(const struct pel_forecast_kind *kind, double v)
+static enum pel_err read_group(struct pel_forecast_file *file,
+                               const struct group *g,
+                               struct pel_weather_grid *out,
+                               struct pel_fault *fault)
 {
-    switch (kind->number) {
-    case PEL_WEATHER_DIRECTION:
-    case PEL_WEATHER_SWELL_DIRECTION:
-        v = remainder(v * kind->factor + kind->offset, 360) * (M_PI / 180);
-        break;
-    case PEL_WEATHER_WIND_EAST:
-    case PEL_WEATHER_WIND_NORTH:
-        break;
-    default:
-        v = fmax(v * kind->factor, 0);
+    size_t nodes = (size_t)out->columns * (size_t)out->rows;
+    bool polar = g->numbers[0] == PEL_FORECAST_SPEED;
+    double *planes = calloc((polar ? 4 : 2) * nodes, sizeof *planes);
+    int16_t *values[PEL_FORECAST_NUMBERS] = { NULL };
+    enum pel_err err = PEL_OK;
+    for (size_t k = 0; k < g->count; k++) {
+        int n = polar ? (int)k : g->numbers[k];
+        values[k] = malloc(sizeof **values * nodes * (size_t)out->times);
+        out->values[n] = values[k];
+        err = values[k] && planes ? err : PEL_ERR_NO_MEMORY;
     }
-    return pel_weather_quantise(kind->number, v);
-}
-
-/* One band: `plane` is room for its nodes, `to` where they go, rows from
- * south. */
-static enum pel_err read_band(const struct band *b,
-                              const struct pel_weather_grid *g, bool north_up,
-                              double *plane, int16_t *to,
-                              struct pel_fault *fault)
-{
-    char at[32];
-    int has_none = 0, scaled = 0, moved = 0;
-    double none = GDALGetRasterNoDataValue(b->band, &has_none);
-    double scale = GDALGetRasterScale(b->band, &scaled);
-    double offset = GDALGetRasterOffset(b->band, &moved);
-    size_t width = (size_t)g->columns, height = (size_t)g->rows;
-    if (GDALRasterIO(b->band, GF_Read, 0, 0, g->columns, g->rows, plane,
-                     g->columns, g->rows, GDT_Float64, 0, 0)) {
-        return pel_fault_set(
-            fault, PEL_ERR_MALFORMED, "%s at %s cannot be read: %.100s",
-            name_of(b->kind.number), when(b->unix_s, at), CPLGetLastErrorMsg());
+    if (err) {
+        return pel_fault_set(fault, err, "out of memory");
     }
-    for (size_t y = 0; y < height; y++) {
-        const double *from = plane + (north_up ? height - 1 - y : y) * width;
-        for (size_t x = 0; x < width; x++) {
-            double v = from[x];
-            if (!isfinite(v) || (has_none && v == none)) {
-                to[y * width + x] = PEL_WEATHER_NONE;
-                continue;
+    for (int t = 0; !err && t < out->times; t++) {
+        size_t from = nodes * (size_t)t;
+        for (size_t k = 0; !err && k < g->count; k++) {
+            double *plane = planes + (polar && k == 1 ? 2 * nodes : 0);
+            err = read_at(file, g, k, out->unix_s[t], plane, fault);
+            for (size_t i = 0; !err && !polar && i < nodes; i++) {
+                values[k][from + i] = pel_weather_quantise(
+                    (enum pel_weather_number)g->numbers[k], plane[i]);
             }
-            v = scaled || moved ? v * scale + offset : v;
-            if (!is_possible(b->kind.number, v)) {
-                return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
-                                     "%s at %s has %g, which cannot be; a fill "
-                                     "value that is not declared?",
-                                     name_of(b->kind.number),
-                                     when(b->unix_s, at), v);
-            }
-            to[y * width + x] = keep(&b->kind, v);
+        }
+        if (!err && polar) {
+            keep_polar(planes, planes + 2 * nodes, nodes, values[0] + from,
+                       values[1] + from);
         }
     }
-    return PEL_OK;
-}
-
-static enum pel_err read_number(const struct file *file,
-                                enum pel_weather_number number, bool north_up,
-                                double *plane, struct pel_weather_grid *g,
-                                struct pel_fault *fault)
-{
-    char at[32];
-    int rank = best_rank(file, number);
-    size_t nodes = (size_t)g->columns * (size_t)g->rows;
-    int16_t *values = malloc(sizeof *values * nodes * (size_t)g->times);
-    enum pel_err err = PEL_OK;
-    if (!values) {
-        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
-    }
-    for (int t = 0; !err && t < g->times; t++) {
-        const struct band *b = find_band(file, number, rank, g->unix_s[t]);
-        err = b ? read_band(b, g, north_up, plane, values + nodes * (size_t)t,
-                            fault)
-                : pel_fault_set(fault, PEL_ERR_INVALID,
-                                "it has no %s at %s, when it has wind",
-                                name_of(number), when(g->unix_s[t], at));
-    }
-    g->values[number] = values;
+    free(planes);
     return err;
 }
 
-/* Which numbers there are: waves that lack one of theirs are refused, parts
- * that do are left out. */
-static enum pel_err choose(const struct file *file, unsigned *out,
-                           struct pel_fault *fault)
+/* Waves that have the wind's grid and times share it. */
+static bool alike(const struct group *wind, const struct group *waves)
 {
-    unsigned has = 0;
-    for (int n = 0; n < PEL_WEATHER_NUMBERS; n++) {
-        has |= best_rank(file, (enum pel_weather_number)n) >= 0 ? 1u << n : 0;
+    bool same = same_grid(wind->first, waves->first) &&
+                wind->time_count == waves->time_count;
+    for (int t = 0; same && t < wind->time_count; t++) {
+        same = wind->times[t] == waves->times[t];
     }
-    unsigned need =
-        PEL_WEATHER_WIND | (has & PEL_WEATHER_WAVES ? PEL_WEATHER_WAVES : 0);
-    for (int n = 0; n < PEL_WEATHER_NUMBERS; n++) {
-        if (need & ~has & 1u << n) {
-            return pel_fault_set(fault, PEL_ERR_INVALID, "it has no %s",
-                                 name_of((enum pel_weather_number)n));
-        }
+    return same;
+}
+
+static enum pel_err list(const char *path, struct pel_forecast_file *file,
+                         struct pel_fault *fault)
+{
+    bool is_one = false;
+    enum pel_err err = pel_forecast_list_netcdf(path, file, &is_one, fault);
+    if (!is_one) {
+        file->finish(file);
+        err = pel_forecast_list_grib(path, file, &is_one, fault);
     }
-    bool whole = (has & PEL_WEATHER_PARTS) == PEL_WEATHER_PARTS &&
-                 (has & PEL_WEATHER_WAVES);
-    *out = whole ? has : has & ~PEL_WEATHER_PARTS;
-    return PEL_OK;
+    return err || is_one ? err
+                         : pel_fault_set(fault, PEL_ERR_INVALID,
+                                         "no GRIB or NetCDF with grids");
+}
+
+static enum pel_err make(struct pel_forecast_file *file, struct group *wind,
+                         struct group *waves, struct pel_weather_grid *out,
+                         struct pel_fault *fault)
+{
+    size_t all = values_of(wind) + (waves->first ? values_of(waves) : 0);
+    if (all > PEL_WEATHER_MOST_VALUES) {
+        return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                             "%d × %d nodes of %zu numbers at %d times are "
+                             "more than %zu: a coarser grid, a smaller region "
+                             "or fewer times",
+                             wind->first->x.count, wind->first->y.count,
+                             wind->count + waves->count, wind->time_count,
+                             PEL_WEATHER_MOST_VALUES);
+    }
+    enum pel_err err = place_grid(wind, out, fault);
+    err = err ? err : read_group(file, wind, out, fault);
+    if (err || !waves->first) {
+        return err;
+    }
+    struct pel_weather_grid *to = out;
+    if (!alike(wind, waves)) {
+        to = calloc(1, sizeof *to);
+        out->waves = to;
+        err = to ? place_grid(waves, to, fault)
+                 : pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    }
+    return err ? err : read_group(file, waves, to, fault);
 }
 
 enum pel_err pel_forecast_read(const char *path, struct pel_weather_grid *out,
                                struct pel_fault *fault)
 {
-    struct file file = { 0 };
-    double *times = NULL, *plane = NULL;
-    bool north_up = true;
-    unsigned has = 0;
+    struct pel_forecast_file *file = calloc(1, sizeof *file);
+    struct group wind = { .count = 0 }, waves = { .count = 0 };
     *out = (struct pel_weather_grid){ 0 };
-    enum pel_err err = pel_gdal_check_hdf5(path, fault);
-    if (!err) {
-        err = list_file(path, &file, fault);
+    enum pel_err err =
+        file ? pel_gdal_check_hdf5(path, fault)
+             : pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
+    err = err ? err : list(path, file, fault);
+    err = err ? err : choose_wind(file, &wind, fault);
+    err = err ? err : choose_waves(file, &waves, fault);
+    err = err ? err : make(file, &wind, &waves, out, fault);
+    if (!err && *file->unread.text) {
+        pel_forecast_note(file, "not read: %s", file->unread.text);
     }
-    if (!err) {
-        err = find_times(&file, &times, &out->times, fault);
+    if (file && file->finish) {
+        file->finish(file);
     }
-    if (!err) {
-        out->unix_s = times;
-        err = choose(&file, &has, fault);
-    }
-    if (!err) {
-        err = place_grid(file.grid, out, &north_up, fault);
-    }
-    if (!err) {
-        size_t nodes = (size_t)out->columns * (size_t)out->rows;
-        size_t values =
-            nodes * (size_t)out->times * (size_t)__builtin_popcount(has);
-        if (values > PEL_WEATHER_MOST_VALUES) {
-            return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
-                                 "%d × %d nodes of %d numbers at %d times are "
-                                 "more than %zu: a coarser grid, a smaller "
-                                 "region or fewer times",
-                                 out->columns, out->rows,
-                                 __builtin_popcount(has), out->times,
-                                 PEL_WEATHER_MOST_VALUES);
-        }
-        plane = malloc(sizeof *plane * nodes);
-        err = plane ? PEL_OK
-                    : pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
-    }
-    for (int n = 0; !err && n < PEL_WEATHER_NUMBERS; n++) {
-        if (has & 1u << n) {
-            err = read_number(&file, (enum pel_weather_number)n, north_up,
-                              plane, out, fault);
-        }
-    }
-    free(plane);
+    out->notes = err ? NULL : file->notes;
     return err;
 }

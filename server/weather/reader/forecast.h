@@ -3,39 +3,151 @@
  * thread. */
 #pragma once
 
+#include <stdbool.h>
+#include <stddef.h>
+
 #include "base/err.h"
-#include "seabed/reader/gdal.h"
 #include "weather/weather.h"
 
-/* What one band of a file is. */
+/* What a file may have: weather.h's numbers, and the wind in its other form. */
+enum {
+    PEL_FORECAST_SPEED = PEL_WEATHER_NUMBERS, /* of the wind at 10 m, m/s */
+    PEL_FORECAST_WIND_WAY,                    /* it blows to, rad from east */
+    PEL_FORECAST_NUMBERS
+};
+
+/* What a number is of. */
+enum pel_forecast_quantity {
+    PEL_FORECAST_MPS,
+    PEL_FORECAST_M,
+    PEL_FORECAST_S,
+    PEL_FORECAST_HZ,
+    PEL_FORECAST_DEG,
+};
+
+/* Which surface or height a number is of. */
+enum pel_forecast_height {
+    PEL_FORECAST_AT_10_M,
+    PEL_FORECAST_AT_SEA,
+    PEL_FORECAST_IN_SEQUENCE, /* or the first of several swells */
+};
+
+/* What one field of a file is. */
 struct pel_forecast_kind {
-    enum pel_weather_number number;
-    int rank;      /* of several kinds of a number that with the least counts */
-    double factor; /* from the file's number to ours */
+    int number;
+    int rank; /* of several kinds of a number that with the least counts */
+    enum pel_forecast_quantity quantity; /* of the file's numbers */
+    enum pel_forecast_height height;
+    double factor; /* from the quantity's unit above to ours; of frequencies to
+                    * the period */
     double offset;
+    const char *remark; /* what a user should know of it; NULL: nothing */
 };
 
-/* How a band calls itself; NULL: it does not. */
+/* How a field calls itself; NULL and -1: it does not. */
 struct pel_forecast_name {
-    const char *element;  /* GRIB's element, or NetCDF's variable */
-    const char *standard; /* CF's standard_name */
-    const char *level;    /* GRIB's */
-    int parameter[3];     /* GRIB2's discipline, category, number, or −1 */
+    const char *variable; /* NetCDF's */
+    const char *standard; /* CF's standard_name; counts before the variable's */
+    long parameter[3];    /* GRIB2's discipline, category, number */
+    long id;              /* ecCodes' paramId */
 };
 
-/* Which number the band holds; false: none of ours. */
+/* Which number the field holds; false: none of ours. */
 bool pel_forecast_kind_of(const struct pel_forecast_name *name,
                           struct pel_forecast_kind *out);
+/* What people call a number, and files. */
+const char *pel_forecast_name_of(int number);
 
-/* Seconds since 1970 of `value` in CF's "UNIT since TIME"; false: it is not
- * that, or not within 3000 years. */
+/* The factor from a unit, as NetCDF files write it ("m s**-1", "knots",
+ * "degree true"), to that of the quantity. False: it is unknown, or of another
+ * quantity. */
+bool pel_forecast_unit(const char *unit, enum pel_forecast_quantity quantity,
+                       double *factor);
+/* Seconds in a unit of time; 0: it is none of a steady length. */
+double pel_forecast_unit_s(const char *unit, size_t length);
+
+/* Seconds since 1970 of `value` in CF's "UNIT since TIME" by a calendar (NULL:
+ * CF's default, the Julian before 15 October 1582 and the Gregorian after),
+ * to the millisecond. INVALID: it is not that; the day is none of ours. */
 #define PEL_FORECAST_MOST_UNIX_S 1e11
-bool pel_forecast_time(const char *units, double value, double *unix_s);
+PEL_CHECK enum pel_err pel_forecast_time(const char *units,
+                                         const char *calendar, double value,
+                                         double *unix_s,
+                                         struct pel_fault *fault);
+/* Seconds since 1970 of a Gregorian day; the year at most 9999 from 0. */
+double pel_forecast_day_s(long year, long month, long day);
+const char *pel_forecast_when(double unix_s, char out[32]);
 
-/* Before the sandbox is closed: GDAL with GRIB and NetCDF (gdal.h). */
-void pel_forecast_prepare(const char *places[PEL_GDAL_MOST_PLACES + 1]);
+/* Coordinates of a grid's nodes with equal steps. */
+struct pel_forecast_axis {
+    int count;
+    double first, step; /* the least, > 0 */
+    bool falling;       /* the file has them the other way round */
+};
+/* Fits them to coordinates that may be rounded to the digits with which they
+ * are printed, and longitudes that jump by a turn. False: steps are unequal. */
+bool pel_forecast_axis_fit(const double *degrees, size_t count, bool longitude,
+                           struct pel_forecast_axis *out);
 
-/* What the file has. Its values and times are never freed. */
+/* Several words with commas between them, each once, as many as have room. */
+struct pel_forecast_words {
+    char text[120];
+};
+void pel_forecast_words_add(struct pel_forecast_words *words,
+                            const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+/* One of our numbers at one time. */
+struct pel_forecast_slice {
+    struct pel_forecast_kind kind;
+    bool control; /* an ensemble's; else of one run alone */
+    double unix_s, run_s;
+    struct pel_forecast_axis x, y;
+    size_t place, part; /* what its file finds it by */
+    char label[48];
+};
+
+#define PEL_FORECAST_MOST_SLICES 65536
+
+struct pel_forecast_file {
+    struct pel_forecast_slice *slices;
+    size_t count;
+    struct pel_forecast_words unread; /* wind and waves of other kinds */
+    char notes[PEL_WEATHER_MOST_NOTES];
+    /* The slice's numbers in its quantity's unit above, rows from south, nodes
+     * from west, NAN where there are none. */
+    enum pel_err (*read)(struct pel_forecast_file *file,
+                         const struct pel_forecast_slice *slice, double *plane,
+                         struct pel_fault *fault);
+    void (*finish)(struct pel_forecast_file *file);
+    void *user;
+};
+
+/* Adds a sentence to what the daemon logs, once. */
+void pel_forecast_note(struct pel_forecast_file *file, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+PEL_CHECK enum pel_err pel_forecast_add(struct pel_forecast_file *file,
+                                        const struct pel_forecast_slice *slice,
+                                        struct pel_fault *fault);
+
+/* What a file has, until out->finish. *is_one false: it is no such file. */
+PEL_CHECK enum pel_err pel_forecast_list_grib(const char *path,
+                                              struct pel_forecast_file *out,
+                                              bool *is_one,
+                                              struct pel_fault *fault);
+PEL_CHECK enum pel_err pel_forecast_list_netcdf(const char *path,
+                                                struct pel_forecast_file *out,
+                                                bool *is_one,
+                                                struct pel_fault *fault);
+
+#define PEL_FORECAST_MOST_PLACES 8
+
+/* Before the sandbox is closed: where ecCodes' own files lie, NULL-terminated,
+ * and no locks and no filters from elsewhere for HDF5. */
+void pel_forecast_prepare(const char *places[PEL_FORECAST_MOST_PLACES + 1]);
+
+/* What the file has; out->waves where they have a grid or times of their own.
+ * Values, times and notes are never freed. */
 PEL_CHECK enum pel_err pel_forecast_read(const char *path,
                                          struct pel_weather_grid *out,
                                          struct pel_fault *fault);

@@ -1,11 +1,11 @@
 /* pelagos-weather: reads a GRIB or NetCDF file of wind and waves and writes
  * them to standard output in the form of weather/wire.h. The daemon starts one
- * for a file and throws it away: what a file makes GDAL do, crash or take, it
- * does here.
+ * for a file and throws it away: what a file makes ecCodes or libnetcdf do,
+ * crash or take, it does here.
  *
  *   pelagos-weather DIRECTORY FILE
  *
- * It may read that file, GDAL's own and nothing else (base/sandbox.h). On
+ * It may read that file, ecCodes' own and nothing else (base/sandbox.h). On
  * failure a sentence on standard error, status 1, or 2 for wrong use. */
 #include <stdio.h>
 
@@ -16,22 +16,6 @@
 #define MOST_MEMORY ((size_t)3 << 29) /* 1.5 GiB */
 #define MOST_CPU_S 18
 
-static bool write_all(const struct pel_weather_grid *grid)
-{
-    unsigned char head[PEL_WEATHER_WIRE_HEAD];
-    size_t times = (size_t)grid->times;
-    size_t count = (size_t)grid->columns * (size_t)grid->rows * times;
-    pel_weather_wire_head(grid, head);
-    bool whole =
-        fwrite(head, sizeof head, 1, stdout) == 1 &&
-        fwrite(grid->unix_s, sizeof *grid->unix_s, times, stdout) == times;
-    for (int n = 0; whole && n < PEL_WEATHER_NUMBERS; n++) {
-        const int16_t *v = grid->values[n];
-        whole = !v || fwrite(v, sizeof *v, count, stdout) == count;
-    }
-    return whole;
-}
-
 int main(int argc, char **argv)
 {
     struct pel_weather_grid grid;
@@ -41,14 +25,14 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: pelagos-weather DIRECTORY FILE\n");
         return 2;
     }
-    /* No name is one of GDAL's prefixes then. */
+    /* No name is an address then, which libnetcdf would take. */
     snprintf(path, sizeof path, "./%.4000s", argv[2]);
-    const char *readable[PEL_GDAL_MOST_PLACES + 2] = { path };
+    const char *readable[PEL_FORECAST_MOST_PLACES + 2] = { path };
     pel_forecast_prepare(readable + 1);
     pel_reader_begin(
         &(struct pel_reader){ argv[1], readable, MOST_CPU_S, MOST_MEMORY });
     if (pel_forecast_read(path, &grid, &fault)) {
         pel_reader_refuse(fault.message);
     }
-    pel_reader_end(write_all(&grid));
+    pel_reader_end(pel_weather_wire_write(&grid, stdout));
 }
