@@ -447,15 +447,16 @@ static enum pel_err read_group(struct pel_forecast_file *file,
     bool polar = g->numbers[0] == PEL_FORECAST_SPEED;
     double *planes = calloc((polar ? 4 : 2) * nodes, sizeof *planes);
     int16_t *values[PEL_FORECAST_NUMBERS] = { NULL };
-    enum pel_err err = PEL_OK;
-    for (size_t k = 0; k < g->count; k++) {
+    enum pel_err err =
+        planes && g->count >= 2 && out->times > 0 ? PEL_OK : PEL_ERR_NO_MEMORY;
+    for (size_t k = 0; !err && k < g->count; k++) {
         int n = polar ? (int)k : g->numbers[k];
         values[k] = malloc(sizeof **values * nodes * (size_t)out->times);
         out->values[n] = values[k];
-        err = values[k] && planes ? err : PEL_ERR_NO_MEMORY;
+        err = values[k] ? PEL_OK : PEL_ERR_NO_MEMORY;
     }
-    if (err) {
-        return pel_fault_set(fault, err, "out of memory");
+    if (err || !values[0] || !values[1]) {
+        return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
     for (int t = 0; !err && t < out->times; t++) {
         size_t from = nodes * (size_t)t;
