@@ -58,6 +58,7 @@ struct pel_subscription {
     struct pel_stream *stream; /* NULL: its view is gone */
     enum pel_flow flow;
     bool dead; /* unsubscribed while callbacks run */
+    struct pel_who who;
     pel_frame_callback on_frame;
     void *user;
     struct pel_subscription *next; /* of all subscriptions */

@@ -14,6 +14,7 @@
 
 #include "base/err.h"
 #include "base/metrics.h"
+#include "base/share.h"
 #include "render/filtering.h"
 #include "scene/scene.h"
 
@@ -149,8 +150,10 @@ void pel_frames_cancel(struct pel_frames *frames, uint64_t id);
  * dropping for slow clients is the subscriber's work. When the view is deleted
  * the callback gets NOT_FOUND once and no more frames; the subscription still
  * waits for pel_frames_unsubscribe. Any other error is of one frame only. At
- * most 256 subscriptions, 64 different (view, profile), 32 of them H.264, and
- * 67 million pixels together: BUSY, saying which. quality 1..100. */
+ * most 256 subscriptions, 64 different (view, profile), and 67 million pixels
+ * together, of which who may do less has less (base/share.h): BUSY, saying
+ * which. Where all are taken one of a lower rank makes room for who steers or
+ * instructs, and gets NOT_FOUND. quality 1..100. */
 struct pel_subscription;
 PEL_CHECK enum pel_err
 pel_frames_subscribe(struct pel_frames *frames, const char *view, int quality,
@@ -164,6 +167,7 @@ struct pel_profile {
     uint32_t width, height; /* 16..4096 px, 0: the view's */
     int quality;            /* of JPEG, 1..100 */
     unsigned kbps;          /* of video, 100..100000 kbit/s, 0: by the size */
+    struct pel_who who;     /* in whose share it counts: no picture shows it */
 };
 
 /* As pel_frames_subscribe, in any profile: encoded once for each (view,
@@ -185,6 +189,10 @@ PEL_CHECK enum pel_err pel_frames_open(struct pel_frames *frames,
 PEL_CHECK enum pel_err pel_frames_change(struct pel_subscription *subscription,
                                          const struct pel_profile *profile,
                                          struct pel_fault *fault);
+
+/* Counts it in another's share: one who may do more uses it too. */
+void pel_frames_claim(struct pel_subscription *subscription,
+                      const struct pel_who *who);
 
 /* No frames until pel_frames_resync: nothing is drawn or encoded for those who
  * cannot take it. */

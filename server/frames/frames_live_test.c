@@ -153,6 +153,46 @@ static void subscribers_may_leave_in_their_callback(void **state)
     drop(&quitter.answer);
 }
 
+/* Streams of a rank until no more are given, each of its own quality. */
+static int open_all(struct pel_who who, int first, struct answer *answer,
+                    struct pel_subscription *all[PEL_MAX_STREAMS])
+{
+    int count = 0;
+    for (int q = 0; q < PEL_MAX_STREAMS; q++) {
+        const struct pel_profile profile = { .quality = first + q, .who = who };
+        count += pel_frames_open(frames, "test", &profile, take, answer,
+                                 &all[count], NULL) == PEL_OK;
+    }
+    return count;
+}
+
+static void streams_are_shared_out(void **state)
+{
+    (void)state;
+    struct pel_subscription *a[PEL_MAX_STREAMS], *b[PEL_MAX_STREAMS],
+        *c[PEL_MAX_STREAMS];
+    struct answer one = { 0 }, other = { 0 }, above = { 0 };
+    int first = open_all((struct pel_who){ PEL_RANK_WATCH, 1 }, 1, &one, a);
+    assert_int_equal(first,
+                     pel_share_of_token(PEL_MAX_STREAMS, PEL_RANK_WATCH));
+    int second = open_all((struct pel_who){ PEL_RANK_WATCH, 2 }, 37, &other, b);
+    assert_int_equal(first + second,
+                     pel_share_of_rank(PEL_MAX_STREAMS, PEL_RANK_WATCH));
+    /* Who instructs has the rest, and then theirs, the newest first. */
+    int third = open_all((struct pel_who){ 0 }, 37, &above, c);
+    assert_int_equal(third, PEL_MAX_STREAMS);
+    assert_int_equal(one.err, PEL_ERR_NOT_FOUND);
+    for (int i = 0; i < PEL_MAX_STREAMS; i++) {
+        pel_frames_unsubscribe(i < first ? a[i] : NULL);
+        pel_frames_unsubscribe(i < second ? b[i] : NULL);
+        pel_frames_unsubscribe(i < third ? c[i] : NULL);
+    }
+    run_for(100);
+    drop(&one);
+    drop(&other);
+    drop(&above);
+}
+
 static void subscriptions_are_bounded(void **state)
 {
     (void)state;
@@ -253,6 +293,7 @@ int main(void)
         cmocka_unit_test(a_deleted_view_ends_its_subscription),
         cmocka_unit_test(size_changes_while_watched),
         cmocka_unit_test(subscribers_may_leave_in_their_callback),
+        cmocka_unit_test(streams_are_shared_out),
         cmocka_unit_test(subscriptions_are_bounded),
         cmocka_unit_test(live_views_have_a_budget),
     };

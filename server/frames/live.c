@@ -174,6 +174,87 @@ uint64_t pel_live_pixels(const struct pel_snapshot *s, const char *view,
     return width * (profile->height ? profile->height : v ? v->height : 0);
 }
 
+/* A stream counts in the share of the highest who watches it. */
+static void find_owners(const struct pel_frames *frames,
+                        struct pel_who owners[PEL_MAX_STREAMS])
+{
+    for (int i = 0; i < PEL_MAX_STREAMS; i++) {
+        owners[i] = (struct pel_who){ PEL_RANK_NOBODY, 0 };
+    }
+    for (const struct pel_subscription *s = frames->subscriptions; s;
+         s = s->next) {
+        struct pel_who *owner =
+            s->stream && !s->dead ? &owners[s->stream - frames->streams] : NULL;
+        if (owner && s->who.rank <= owner->rank) {
+            *owner = s->who;
+        }
+    }
+}
+
+/* What others than `instead` have. */
+struct budget {
+    struct pel_taken streams, pixels;
+};
+
+static void add_up(struct pel_frames *frames, const struct pel_who *asker,
+                   const struct pel_stream *instead, struct budget *out)
+{
+    struct pel_who owners[PEL_MAX_STREAMS];
+    const struct pel_snapshot *s = pel_shown_snapshot(frames);
+    *out = (struct budget){ .streams = { { 0 }, 0 } };
+    find_owners(frames, owners);
+    for (int i = 0; i < PEL_MAX_STREAMS; i++) {
+        const struct pel_stream *stream = &frames->streams[i];
+        if (stream->serial && stream != instead) {
+            pel_taken_add(&out->streams, asker, &owners[i], 1);
+            pel_taken_add(&out->pixels, asker, &owners[i],
+                          pel_live_pixels(s, stream->view, &stream->profile));
+        }
+    }
+    pel_snapshot_unref(s);
+}
+
+static double all_of(const struct pel_taken *taken)
+{
+    double all = 0.0;
+    for (int rank = 0; rank < PEL_RANKS; rank++) {
+        all += (double)taken->of_rank[rank];
+    }
+    return all;
+}
+
+static void end_with(struct pel_frames *frames, uint32_t serial,
+                     const struct pel_fault *fault);
+
+/* Ends the newest of the lowest rank below the asker's; false: there is none.
+ */
+static bool make_room(struct pel_frames *frames, const struct pel_who *asker,
+                      const struct pel_stream *instead)
+{
+    struct pel_who owners[PEL_MAX_STREAMS];
+    const struct pel_stream *last = NULL;
+    enum pel_rank lowest = asker->rank;
+    find_owners(frames, owners);
+    for (int i = 0; i < PEL_MAX_STREAMS; i++) {
+        const struct pel_stream *stream = &frames->streams[i];
+        if (stream->serial && stream != instead && stream->subscribers > 0 &&
+            owners[i].rank > asker->rank &&
+            (owners[i].rank > lowest || (last && owners[i].rank == lowest &&
+                                         stream->serial > last->serial))) {
+            last = stream;
+            lowest = owners[i].rank;
+        }
+    }
+    if (last) {
+        struct pel_fault fault;
+        pel_fault_set(&fault, PEL_ERR_NOT_FOUND,
+                      "the live view ended: one who may do more wants its "
+                      "place; ask again later");
+        end_with(frames, last->serial, &fault);
+    }
+    return last != NULL;
+}
+
 /* Whether there may be one more stream, in the place of `instead` if that is
  * not NULL: an encoder takes some 10 bytes a pixel for as long as it lives. */
 static enum pel_err check_budget(struct pel_frames *frames, const char *view,
@@ -181,33 +262,60 @@ static enum pel_err check_budget(struct pel_frames *frames, const char *view,
                                  const struct pel_stream *instead,
                                  struct pel_fault *fault)
 {
+    const struct pel_who *who = &profile->who;
     const struct pel_snapshot *s = pel_shown_snapshot(frames);
-    uint64_t asked = pel_live_pixels(s, view, profile), taken = 0;
-    unsigned streams = 0;
-    for (int i = 0; i < PEL_MAX_STREAMS; i++) {
-        const struct pel_stream *stream = &frames->streams[i];
-        if (stream->serial && stream != instead) {
-            taken += pel_live_pixels(s, stream->view, &stream->profile);
-            streams++;
-        }
-    }
+    uint64_t asked = pel_live_pixels(s, view, profile);
     pel_snapshot_unref(s);
-    char message[160];
-    if (streams == PEL_MAX_STREAMS) {
+    struct budget has;
+    enum pel_share_answer streams, pixels;
+    do {
+        add_up(frames, who, instead, &has);
+        streams = pel_share_ask(PEL_MAX_STREAMS, &has.streams, who, 1);
+        pixels = pel_share_ask(PEL_LIVE_PIXELS, &has.pixels, who, asked);
+    } while ((streams || pixels) && asked <= PEL_LIVE_PIXELS &&
+             who->rank < PEL_RANK_WATCH && make_room(frames, who, instead));
+    char message[256];
+    if (streams) {
         snprintf(message, sizeof message,
-                 "all %d live views are taken: watch a view in a profile that "
-                 "somebody watches already",
-                 PEL_MAX_STREAMS);
-    } else if (taken + asked > PEL_LIVE_PIXELS) {
-        snprintf(message, sizeof message,
-                 "live views may have %.0f million pixels together, %.1f are "
-                 "taken, and this has %.1f: ask for a smaller one",
-                 PEL_LIVE_PIXELS * 1e-6, (double)taken * 1e-6,
-                 (double)asked * 1e-6);
+                 "all %d live views %s are taken: watch a view in a profile "
+                 "that somebody watches already",
+                 (int)(streams == PEL_SHARE_TOKEN_FULL
+                           ? pel_share_of_token(PEL_MAX_STREAMS, who->rank)
+                           : pel_share_of_rank(PEL_MAX_STREAMS, who->rank)),
+                 pel_share_words(streams, who->rank));
+    } else if (pixels) {
+        snprintf(
+            message, sizeof message,
+            "live views %s may have %.0f million pixels together, %.1f "
+            "are taken by all, and this has %.1f: ask for a smaller one",
+            pel_share_words(pixels, who->rank),
+            1e-6 *
+                (double)(pixels == PEL_SHARE_TOKEN_FULL
+                             ? pel_share_of_token(PEL_LIVE_PIXELS, who->rank)
+                             : pel_share_of_rank(PEL_LIVE_PIXELS, who->rank)),
+            all_of(&has.pixels) * 1e-6, (double)asked * 1e-6);
     } else {
         return PEL_OK;
     }
     return refuse(frames, fault, PEL_ERR_BUSY, "", "", message);
+}
+
+/* One more subscription, of a stream that there is or not. */
+static enum pel_err check_subscriptions(struct pel_frames *frames,
+                                        const struct pel_who *who,
+                                        struct pel_fault *fault)
+{
+    struct pel_taken taken = { { 0 }, 0 };
+    for (const struct pel_subscription *s = frames->subscriptions; s;
+         s = s->next) {
+        if (s->stream && !s->dead) {
+            pel_taken_add(&taken, who, &s->who, 1);
+        }
+    }
+    return pel_share_ask(PEL_MAX_SUBSCRIPTIONS, &taken, who, 1)
+               ? refuse(frames, fault, PEL_ERR_BUSY, "", "",
+                        "too many live views are open")
+               : PEL_OK;
 }
 
 /* --- subscriptions ------------------------------------------------------- */
@@ -253,17 +361,18 @@ enum pel_err pel_frames_open(struct pel_frames *frames, const char *view,
     if (err != PEL_OK) {
         return err;
     }
+    err = check_subscriptions(frames, &profile->who, fault);
     struct pel_stream *stream = find_stream(frames, view, profile);
-    if (!stream) {
+    if (err == PEL_OK && !stream) {
         err = check_budget(frames, view, profile, NULL, fault);
-        if (err != PEL_OK) {
-            return err;
-        }
     }
-    if (frames->subscription_count < PEL_MAX_SUBSCRIPTIONS && !stream) {
+    if (err != PEL_OK) {
+        return err;
+    }
+    if (!stream) {
         stream = make_stream(frames, view, profile);
     }
-    if (!stream || frames->subscription_count == PEL_MAX_SUBSCRIPTIONS) {
+    if (!stream) {
         return refuse(frames, fault, PEL_ERR_BUSY, "", "",
                       "too many live views are open");
     }
@@ -276,6 +385,7 @@ enum pel_err pel_frames_open(struct pel_frames *frames, const char *view,
     }
     *subscription = (struct pel_subscription){
         .frames = frames,
+        .who = profile->who,
         .on_frame = on_frame,
         .user = user,
         .next = frames->subscriptions,
@@ -333,6 +443,12 @@ enum pel_err pel_frames_change(struct pel_subscription *subscription,
     attach(subscription, other);
     pel_schedule_live(frames);
     return PEL_OK;
+}
+
+void pel_frames_claim(struct pel_subscription *subscription,
+                      const struct pel_who *who)
+{
+    subscription->who = *who;
 }
 
 void pel_frames_pause(struct pel_subscription *subscription)
@@ -495,9 +611,9 @@ static void deliver(struct pel_frames *frames, uint32_t serial,
     sweep(frames);
 }
 
-/* No encoder: the stream and its subscriptions are over. */
-static void give_up(struct pel_frames *frames, uint32_t serial,
-                    const struct pel_fault *fault)
+/* The stream and its subscriptions are over. */
+static void end_with(struct pel_frames *frames, uint32_t serial,
+                     const struct pel_fault *fault)
 {
     frames->calling++;
     for (struct pel_subscription *s = frames->subscriptions; s; s = s->next) {
@@ -529,7 +645,7 @@ void pel_live_deliver(struct pel_frames *frames, uint32_t serial,
     if (stream->track && err == PEL_ERR_NOT_FOUND) {
         snprintf(fault.path, sizeof fault.path, "codec");
         snprintf(fault.message, sizeof fault.message, "%s", why);
-        give_up(frames, serial, &fault);
+        end_with(frames, serial, &fault);
         return;
     }
     if (stream->track) {
