@@ -555,12 +555,11 @@ static int run(struct daemon *d)
     d->loop = g_main_loop_new(NULL, FALSE);
     (void)pel_reserve_whole(); /* else tried again by the first edit */
     pel_info("DMN-001", "pelagosd %s", PEL_VERSION);
-    pel_service_limits();
     /* Before anybody can know that we are there. */
     g_unix_signal_add(SIGTERM, terminate, d);
     g_unix_signal_add(SIGINT, terminate, d);
     g_unix_signal_add(SIGHUP, reload, d);
-    if (start(d, &fault) != PEL_OK) {
+    if (pel_service_limits(&fault) != PEL_OK || start(d, &fault) != PEL_OK) {
         pel_error("DMN-009", "cannot start: %s", fault.message);
         status = EXIT_FAILURE;
     } else {
@@ -590,8 +589,8 @@ static int check(struct daemon *d)
         pel_log_set_level(PEL_LOG_WARNING); /* nothing has begun */
     }
     d->loop = g_main_loop_new(NULL, FALSE);
-    pel_service_limits();
-    bool good = start(d, &fault) == PEL_OK;
+    bool good =
+        pel_service_limits(&fault) == PEL_OK && start(d, &fault) == PEL_OK;
     bool joined = finish(d);
     if (good) {
         printf("the options are good\n");

@@ -12,10 +12,43 @@
 
 #define WANTED_DESCRIPTORS 8192
 #define NEEDED_DESCRIPTORS 256
+/* Sockets and the loop take 20, a device, an encoder and a reader of files some
+ * more, and somebody is to be served. */
+#define LEAST_DESCRIPTORS 64
 #define NEEDED_MEMORY ((rlim_t)1 << 30)
 
-void pel_service_limits(void)
+static unsigned count_descriptors(void)
 {
+    unsigned count = 0;
+    GDir *dir = g_dir_open("/proc/self/fd", 0, NULL);
+    while (dir && g_dir_read_name(dir)) {
+        count++;
+    }
+    if (dir) {
+        g_dir_close(dir);
+        count--; /* the directory itself */
+    }
+    return count;
+}
+
+static enum pel_err check_descriptors(rlim_t limit, struct pel_fault *fault)
+{
+    unsigned open = count_descriptors();
+    if (limit >= (rlim_t)open + LEAST_DESCRIPTORS) {
+        return PEL_OK;
+    }
+    return pel_fault_set(
+        fault, PEL_ERR_IO,
+        "%llu file descriptors are allowed and %u are open already, and it "
+        "needs %d more, to serve many clients %d: `ulimit -n %d`, or "
+        "LimitNOFILE=%d in the unit",
+        (unsigned long long)limit, open, LEAST_DESCRIPTORS, NEEDED_DESCRIPTORS,
+        WANTED_DESCRIPTORS, WANTED_DESCRIPTORS);
+}
+
+enum pel_err pel_service_limits(struct pel_fault *fault)
+{
+    enum pel_err err = PEL_OK;
     struct rlimit limit;
     if (getrlimit(RLIMIT_NOFILE, &limit) == 0) {
         rlim_t want = limit.rlim_max < WANTED_DESCRIPTORS ? limit.rlim_max
@@ -30,7 +63,8 @@ void pel_service_limits(void)
                     "-n)");
             }
         }
-        if (limit.rlim_cur < NEEDED_DESCRIPTORS) {
+        err = check_descriptors(limit.rlim_cur, fault);
+        if (!err && limit.rlim_cur < NEEDED_DESCRIPTORS) {
             pel_warn("DMN-011",
                      "only %llu descriptors are allowed; %d are "
                      "wanted (LimitNOFILE, ulimit -n)",
@@ -44,6 +78,7 @@ void pel_service_limits(void)
                  "OpenGL does not survive a refused allocation; use a cgroup",
                  (unsigned long long)(limit.rlim_cur >> 20));
     }
+    return err;
 }
 
 /* --- the first frame ----------------------------------------------------- */

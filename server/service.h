@@ -8,8 +8,9 @@
 #include "scene/scene.h"
 
 /* Raises the soft limit of descriptors to what is allowed (at most 8192) and
- * warns of limits that this program cannot live with. */
-void pel_service_limits(void);
+ * warns of limits that this program cannot live with. IO: so few are left that
+ * it could not serve anybody. */
+PEL_CHECK enum pel_err pel_service_limits(struct pel_fault *fault);
 
 /* Draws a small picture of the first view, so that shaders are compiled
  * before anybody waits for them, and calls `ready` when it is done (or there

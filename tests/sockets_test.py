@@ -9,6 +9,7 @@ import resource
 import selectors
 import socket
 import stat
+import subprocess
 import struct
 import sys
 import tempfile
@@ -73,6 +74,28 @@ class Sockets(unittest.TestCase):
                       "sea": {"synthesiser": "TROCHOIDS"}})
         daemon.get("/v1/views/bridge/frame.jpg", timeout=SLOW_S)
         return daemon
+
+    def test_few_descriptors(self):
+        """So few that it could serve nobody: it says what it needs. With some
+        more /healthz is answered however many others come."""
+        done = subprocess.run(
+            [f"{pelagos_daemon.BIN}/pelagosd", "--tcp", "127.0.0.1:0", "--http",
+             "127.0.0.1:0"], capture_output=True, text=True, timeout=SLOW_S,
+            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_NOFILE,
+                                                  (16, 16)))
+        self.assertNotEqual(done.returncode, 0)
+        self.assertIn("16 file descriptors are allowed", done.stderr)
+        self.assertIn("ulimit -n", done.stderr)
+        daemon = self.start()
+        hard = resource.getrlimit(resource.RLIMIT_NOFILE)[1]
+        resource.prlimit(daemon.process.pid, resource.RLIMIT_NOFILE, (64, hard))
+        for i in range(120):
+            s = socket.create_connection(("127.0.0.1", daemon.http_port), SLOW_S)
+            self.addCleanup(s.close)
+            if i % 2:
+                s.sendall(b"GET /v1/state HTTP/1.1\r\nHost: localhost\r\n\r\n")
+        for _ in range(20):
+            self.assertEqual(daemon.get("/healthz").status, 200)
 
     def test_ten_thousand_connects(self):
         """At a limit of 256 descriptors."""
