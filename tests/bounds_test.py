@@ -292,6 +292,28 @@ class Work(Case):
                 "sky": {}, "patch": {"state": {"sky": {"visibility": 9000}}}})
             self.assertEqual(set(codes), {"BUSY"})
 
+    def test_QUESTIONS(self):
+        """Of files that a process writes, one after the other."""
+        with self.rises("QUESTIONS") as most:
+            sockets = [self.daemon.connect_http() for _ in range(most + 40)]
+            for s in sockets:
+                self.addCleanup(s.close)
+                s.sendall(b"GET /v1/spectrum?format=netcdf HTTP/1.1\r\n" +
+                          HOST + b"\r\n")
+            for s in sockets:
+                s.recv(16)
+
+    @LONG
+    def test_UNREAD_BYTES(self):
+        """Pictures that nobody reads; shares_test.py has a small house."""
+        with self.rises("UNREAD_BYTES"):
+            for _ in range(8):
+                s = self.daemon.connect_http()
+                self.addCleanup(s.close)
+                s.sendall(b"GET /v1/views/bridge/frame.exr?width=2048&height="
+                          b"2048&layers=radiance,normal,sun,depth&float=1 "
+                          b"HTTP/1.1\r\n" + HOST + b"\r\n")
+
     def test_SERIES(self):
         with self.rises("SERIES") as most:
             codes = self.ask_many(4 * most, series={
@@ -510,6 +532,51 @@ class Cluster(Case):
         self.assertEqual(len(self.listed()), most)
 
 
+class Strangers(unittest.TestCase):
+    """Who has not given a token, where one is asked for."""
+    counted, rises = Case.counted, Case.rises
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.port = free_port()
+        tokens = os.path.join(cls.folder.name, "tokens")
+        with open(tokens, "w", encoding="ascii") as f:
+            f.write("instruct-token-0123 instruct\n")
+        os.chmod(tokens, 0o600)
+        cls.daemon = Daemon("--token-file", tokens, "--rtsp",
+                            f"127.0.0.1:{cls.port}")
+        cls.daemon.token = "instruct-token-0123"
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.stop()
+        cls.folder.cleanup()
+
+    def connect(self, port):
+        s = socket.create_connection(("127.0.0.1", port), 60)
+        self.addCleanup(s.close)
+        return s
+
+    def test_SESSION_STRANGERS(self):
+        with self.rises("SESSION_STRANGERS") as most:
+            for _ in range(most + 1):
+                self.connect(self.daemon.tcp_port)
+            with Session(self.daemon.connect_tcp()) as late:
+                self.assertTrue(late.ask(login={
+                    "token": self.daemon.token}).HasField("state"))
+
+    def test_RTSP_STRANGERS(self):
+        with self.connect(self.port) as s:  # GStreamer has come to life
+            s.sendall(b"OPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\n")
+            s.recv(64)
+        with self.rises("RTSP_STRANGERS") as most:
+            for _ in range(most + 1):
+                self.connect(self.port)
+            time.sleep(0.2)  # so long each stays
+            self.connect(self.port)
+
+
 class Rtsp(Case):
     port = None
 
@@ -689,6 +756,7 @@ class Bridges(Case):
 class Table(unittest.TestCase):
     def test_every_row_has_a_test(self):
         tests = {name[5:] for case in (Requests, Work, Places, Whep, Rtsp, Times,
+                                       Strangers,
                                        Cluster, Bridges) for name in dir(case)
                  if name.startswith("test_")}
         self.assertEqual(set(ROWS) - tests, set())

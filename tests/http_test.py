@@ -492,6 +492,22 @@ class Origins(HttpCase):
         self.assertEqual(self.daemon.get("/", headers={
             "Sec-Fetch-Site": "cross-site"}).status, 200, "a link to the page")
 
+    def test_edits_of_other_pages(self):
+        """Whatever their browser says of where they are from."""
+        before = self.daemon.state()["revision"]
+        for method, path, body in (
+                ("PATCH", "/v1/state", {"sea": {"windSpeed": 21}}),
+                ("POST", "/v1/clock/step", {}), ("POST", "/v1/surface", {}),
+                ("PUT", "/v1/views/mine", {}), ("DELETE", "/v1/views/bridge",
+                                                None)):
+            for site in ("cross-site", "same-site", "Cross-Site"):
+                answer = self.daemon.request(method, path, body, headers={
+                    "Sec-Fetch-Site": site})
+                self.refused(answer, 403)
+        self.assertEqual(self.daemon.state()["revision"], before)
+        self.assertEqual(self.daemon.patch({}, headers={
+            "Sec-Fetch-Site": "same-origin"}).status, 200)
+
     def test_allowed_pages(self):
         with Daemon("--allow-origin",
                     "https://a.example,https://desk.example") as daemon:

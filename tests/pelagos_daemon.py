@@ -80,6 +80,8 @@ class Daemon:
 
     PROGRAM = "pelagosd"
 
+    token = None  # that requests give
+
     def __init__(self, *options, http_port=0, tcp_port=0, unix=False,
                  log_level="info", wait_s=SLOW_S):
         self.folder = tempfile.mkdtemp(prefix="pelagos-test-")
@@ -149,6 +151,8 @@ class Daemon:
         """One request on a connection of its own. body: bytes, str, or
         anything else as JSON (Content-Type set unless given)."""
         headers = dict(headers or {})
+        if self.token:
+            headers.setdefault("Authorization", "Bearer " + self.token)
         if body is not None and not isinstance(body, (bytes, str)):
             body = json.dumps(body)
         if body is not None and "Content-Type" not in headers:

@@ -151,6 +151,34 @@ class Roles(unittest.TestCase):
                     # The session goes on.
                     self.assertTrue(session.ask(get={}).HasField("state"))
 
+    def test_what_is_to_come_is_the_instructors(self):
+        """By no way of reading the state."""
+        secret = "Man overboard at ten"
+        self.assertEqual(self.request("instruct", "PUT", "/v1/presets/next", {
+            "title": secret, "patch": '{"sea":{"windSpeed":21}}'}).status, 201)
+        for role in ORDER:
+            sees = role == "instruct"
+            for path in ("/v1/state", "/v1/presets", "/v1/presets/next",
+                         "/v1/state/presets", "/v1/state/presets.next.title",
+                         "/v1/state/presets/next/patch"):
+                answer = self.request(role, "GET", path)
+                self.assertEqual(secret.encode() in answer.body or
+                                 b"windSpeed" in answer.body and
+                                 "patch" in path, sees, (role, path))
+                if path != "/v1/state":
+                    self.assertEqual(answer.status, 200 if sees else 403)
+            self.assertEqual("exercise" in self.request(
+                role, "GET", "/v1/state").json(), sees)
+            with Session(self.daemon.connect_tcp()) as session:
+                for reply in (session.ask(login={"token": TOKENS[role]}),
+                              session.ask(watch={})):
+                    self.assertEqual(len(reply.state.presets), int(sees))
+                    self.assertEqual(reply.state.HasField("exercise"), sees)
+        answer = self.request("steer", "PATCH", "/v1/state",
+                              {"ownShip": {"rudder": 4}})
+        self.assertNotIn(secret.encode(), answer.body)
+        self.request("instruct", "DELETE", "/v1/presets/next")
+
     def test_who_one_is(self):
         for role in ORDER:
             self.assertEqual(self.request(role, "GET",

@@ -688,11 +688,14 @@ class Protobuf(Case):
                 "Authorization": "Bearer " + token}).status
         first = self.session()
         first.ask(login={"token": TOKEN})
+        write(self.file, TOKEN)
+        hup(self.daemon)
+        self.assertTrue(first.ask(get={}).HasField("state"),
+                        "the same token goes on")
         write(self.file, OTHER)
         hup(self.daemon)
         self.assertEqual((status(TOKEN), status(OTHER)), (401, 200))
-        self.assertTrue(first.ask(get={}).HasField("state"),
-                        "who is in stays in")
+        self.assertIsNone(first.receive(), "one that is gone does not")
         write(self.file, OTHER, 0o644)
         hup(self.daemon)
         self.assertIn("chmod 600", self.daemon.log())

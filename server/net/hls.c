@@ -55,6 +55,8 @@ struct stream {
     char view[PEL_NAME_SIZE];
     struct pel_profile profile;
     struct pel_subscription *subscription;
+    int64_t owned_ns; /* the last request of the highest who uses it */
+    bool answered;    /* a playlist of it, so that somebody may come again */
     struct pel_ts ts;
     GPtrArray *segments; /* oldest first; the last one is being made */
     int64_t next_number;
@@ -263,6 +265,7 @@ static void answer_list(const struct waiting *w)
     const struct pel_hls_answer answer = { PEL_HLS_PLAYLIST_TYPE, LIST_CACHE,
                                            text, strlen(text) };
     w->stream->all->playlists++;
+    w->stream->answered = true;
     w->done(w->user, PEL_OK, NULL, &answer);
     g_free(text);
 }
@@ -479,6 +482,18 @@ static enum pel_err open_stream(struct pel_hls *hls,
     return PEL_OK;
 }
 
+/* It counts in the share of the highest who asked lately. */
+static void claim(struct stream *s, const struct pel_who *who)
+{
+    int64_t now_ns = pel_now_ns();
+    if (who->rank <= s->profile.who.rank ||
+        now_ns - s->owned_ns > PEL_HLS_IDLE_S * 1000000000LL) {
+        s->profile.who = *who;
+        s->owned_ns = now_ns;
+        pel_frames_claim(s->subscription, who);
+    }
+}
+
 static int64_t wait_until(void)
 {
     return pel_now_ns() + PEL_HLS_WAIT_S * 1000000000LL;
@@ -494,6 +509,7 @@ void pel_hls_playlist(struct pel_hls *hls, const struct pel_hls_wish *wish,
         done(user, err, &fault, NULL);
         return;
     }
+    claim(s, &wish->profile.who);
     if (wish->msn > s->next_number + 1) {
         s->asked_ns = pel_now_ns();
         refuse(done, user, PEL_ERR_OUT_OF_RANGE, "_HLS_msn",
@@ -557,12 +573,22 @@ void pel_hls_file(struct pel_hls *hls, const char *name, pel_hls_done done,
     wait_or_answer(hls, &w);
 }
 
+/* Nobody has a playlist of it, or waits for one: who asked has gone. */
+static void end_unused(struct pel_hls *hls, struct stream *s)
+{
+    if (!s->answered && !is_waited_for(hls, s)) {
+        g_ptr_array_remove(hls->streams, s);
+    }
+}
+
 bool pel_hls_forget(struct pel_hls *hls, const void *user)
 {
     for (guint i = 0; i < hls->waiting->len; i++) {
         struct waiting *w = g_ptr_array_index(hls->waiting, i);
         if (w->user == user) {
+            struct stream *s = w->stream;
             g_free(g_ptr_array_steal_index(hls->waiting, i));
+            end_unused(hls, s);
             return true;
         }
     }

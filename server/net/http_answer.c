@@ -8,6 +8,8 @@
 #include "cluster/cluster.h"
 #include "json.h"
 #include "net/command.h"
+#include "net/http_hangup.h"
+#include "net/http_share.h"
 #include "net/http_view.h"
 #include "net/surfacewire.h"
 #include "scene/almanac.h"
@@ -54,6 +56,9 @@ void pel_http_suspend(struct client *client)
     if (!client->suspended) {
         client->suspended = true;
         MHD_suspend_connection(client->connection);
+    }
+    if (client->gone) {
+        pel_http_look_soon(client->server);
     }
 }
 
@@ -160,6 +165,9 @@ enum MHD_Result pel_http_send(struct client *client,
         add(response, "Connection", "close");
     }
     int status = answer->status;
+    if (!answer->page) {
+        pel_http_hold(client, answer->size);
+    }
     pel_http_answer_finish(answer);
     return pel_http_queue(client, status, response);
 }
@@ -175,6 +183,19 @@ enum MHD_Result pel_http_send_fault(struct client *client, int status,
 /* --- the surface, light ----------------------------------------------------
  */
 
+static void end_reader(void *user)
+{
+    pel_http_shut(user);
+}
+
+void pel_http_hold(struct client *client, size_t bytes)
+{
+    client->unread.end = end_reader;
+    client->unread.user = client;
+    pel_claim_unread(client->server->context.claims, &client->who, bytes,
+                     &client->unread);
+}
+
 struct waiter *pel_http_wait_begin(struct client *client)
 {
     struct waiter *waiter = g_new0(struct waiter, 1);
@@ -188,6 +209,7 @@ struct waiter *pel_http_wait_begin(struct client *client)
 struct client *pel_http_wait_end(struct waiter *waiter)
 {
     struct client *client = waiter->client;
+    pel_claim_give(&waiter->claim);
     g_free(waiter);
     if (client) {
         client->waiter = NULL;
@@ -242,6 +264,15 @@ static void wait_answer(struct waiter *waiter, enum pel_err err,
     pel_http_resume(client);
 }
 
+/* In the share of who asks. */
+static enum pel_err claim(struct waiter *waiter, enum pel_claim_kind kind,
+                          struct pel_fault *fault)
+{
+    const struct client *client = waiter->client;
+    return pel_claim_take(client->server->context.claims, kind, &client->who, 1,
+                          &waiter->claim, fault);
+}
+
 static void on_surface(void *user, enum pel_err err,
                        const struct pel_fault *fault,
                        struct pel_surface_answer *answer)
@@ -268,9 +299,11 @@ enum MHD_Result pel_http_send_surface(struct client *client,
 {
     struct pel_fault fault;
     struct waiter *waiter = pel_http_wait_begin(client);
-    enum pel_err err =
-        pel_command_surface(client->server->frames, answer->surface, NULL,
-                            &pel_surface_json, on_surface, waiter, &fault);
+    enum pel_err err = claim(waiter, PEL_CLAIM_SURFACES, &fault);
+    err = err ? err
+              : pel_command_surface(client->server->frames, answer->surface,
+                                    NULL, &pel_surface_json, on_surface, waiter,
+                                    &fault);
     pel_http_forget_later(client, answer);
     return wait_on(client, waiter, err, &fault);
 }
@@ -287,8 +320,10 @@ enum MHD_Result pel_http_send_optics(struct client *client,
 {
     struct pel_fault fault;
     struct waiter *waiter = pel_http_wait_begin(client);
-    enum pel_err err = pel_command_optics(
-        client->server->frames, answer->optics, on_optics, waiter, &fault);
+    enum pel_err err = claim(waiter, PEL_CLAIM_OPTICS, &fault);
+    err = err ? err
+              : pel_command_optics(client->server->frames, answer->optics,
+                                   on_optics, waiter, &fault);
     pel_http_answer_finish(answer);
     return wait_on(client, waiter, err, &fault);
 }
@@ -333,9 +368,11 @@ enum MHD_Result pel_http_send_spectrum(struct client *client,
     struct pel_fault fault;
     struct waiter *waiter = pel_http_wait_begin(client);
     waiter->not_found = 400; /* a record that the question names */
-    enum pel_err err =
-        pel_command_spectrum(client->server->context.scene, answer->spectrum,
-                             on_spectrum, waiter, &fault);
+    enum pel_err err = claim(waiter, PEL_CLAIM_QUESTIONS, &fault);
+    err = err ? err
+              : pel_command_spectrum(client->server->context.scene,
+                                     answer->spectrum, on_spectrum, waiter,
+                                     &fault);
     pel_http_answer_finish(answer);
     return wait_on(client, waiter, err, &fault);
 }
@@ -352,9 +389,11 @@ enum MHD_Result pel_http_send_almanac(struct client *client,
 {
     struct pel_fault fault;
     struct waiter *waiter = pel_http_wait_begin(client);
-    enum pel_err err =
-        pel_scene_ask_almanac(client->server->context.scene, answer->almanac,
-                              on_almanac, waiter, &fault);
+    enum pel_err err = claim(waiter, PEL_CLAIM_QUESTIONS, &fault);
+    err = err ? err
+              : pel_scene_ask_almanac(client->server->context.scene,
+                                      answer->almanac, on_almanac, waiter,
+                                      &fault);
     pel_http_answer_finish(answer);
     return wait_on(client, waiter, err, &fault);
 }
@@ -410,7 +449,7 @@ enum MHD_Result pel_http_send_series(struct client *client,
                                      struct pel_http_answer *answer)
 {
     struct pel_fault fault;
-    const struct pel_series_form form = { .reply = false };
+    const struct pel_series_form form = { .who = client->who };
     struct waiter *waiter = pel_http_wait_begin(client);
     waiter->not_found = 400; /* an axis that the question names */
     enum pel_err err =
@@ -432,8 +471,10 @@ enum MHD_Result pel_http_send_models(struct client *client,
 {
     struct pel_fault fault;
     struct waiter *waiter = pel_http_wait_begin(client);
-    enum pel_err err = pel_scene_ask_models(client->server->context.scene, NULL,
-                                            on_models, waiter, &fault);
+    enum pel_err err = claim(waiter, PEL_CLAIM_QUESTIONS, &fault);
+    err = err ? err
+              : pel_scene_ask_models(client->server->context.scene, NULL,
+                                     on_models, waiter, &fault);
     pel_http_answer_finish(answer);
     return wait_on(client, waiter, err, &fault);
 }
@@ -450,8 +491,10 @@ enum MHD_Result pel_http_send_recordings(struct client *client,
 {
     struct pel_fault fault;
     struct waiter *waiter = pel_http_wait_begin(client);
-    enum pel_err err = pel_debrief_ask_recordings(
-        client->server->context.debrief, on_recordings, waiter, &fault);
+    enum pel_err err = claim(waiter, PEL_CLAIM_QUESTIONS, &fault);
+    err = err ? err
+              : pel_debrief_ask_recordings(client->server->context.debrief,
+                                           on_recordings, waiter, &fault);
     pel_http_answer_finish(answer);
     return wait_on(client, waiter, err, &fault);
 }
@@ -466,7 +509,8 @@ static void on_edit(void *user, enum pel_err err, const struct pel_fault *fault)
         return;
     }
     if (err == PEL_OK) {
-        pel_http_answer_state(&client->server->context, &answer);
+        pel_http_answer_state(&client->server->context,
+                              pel_role_of_rank(client->who.rank), &answer);
     } else if (if_unchanged && strcmp(fault->path, PEL_SCENE_REVISION) == 0) {
         pel_http_problem(&answer, 412, fault);
     } else {
@@ -643,8 +687,9 @@ enum MHD_Result pel_http_send_stream(struct client *client,
                                   &answer->profile, &server->ts, wake_stream,
                                   stream, &stream->ts, &fault)
            : pel_viewer_create(pel_http_frames(client), answer->view,
-                               answer->quality, answer->fps, &server->mjpeg,
-                               wake_stream, stream, &stream->viewer, &fault);
+                               answer->quality, answer->fps, &client->who,
+                               &server->mjpeg, wake_stream, stream,
+                               &stream->viewer, &fault);
     if (err != PEL_OK) {
         g_free(stream);
         return pel_http_send_fault(client, 0, &fault);
@@ -746,4 +791,5 @@ void pel_http_call_off(struct client *client)
         client->waiter = NULL;
     }
     client->waiting = false;
+    pel_claim_give(&client->pictures);
 }

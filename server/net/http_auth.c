@@ -3,12 +3,12 @@
 #include <string.h>
 
 /* A page cannot give a WebSocket headers, only names of subprotocols. */
-enum pel_role pel_http_role(const struct pel_http_context *context,
+struct pel_who pel_http_who(const struct pel_http_context *context,
                             const struct pel_http_request *request)
 {
-    enum pel_role role = PEL_ROLE_NONE;
+    struct pel_who who = { PEL_RANK_NOBODY, 0 };
     if (!context->token) {
-        return PEL_ROLE_INSTRUCT;
+        return (struct pel_who){ PEL_RANK_INSTRUCT, 0 };
     }
     size_t count = 0;
     const char *given = pel_http_find_header(request, "Authorization", &count);
@@ -17,15 +17,21 @@ enum pel_role pel_http_role(const struct pel_http_context *context,
     }
     const char *list =
         pel_http_find_header(request, "Sec-WebSocket-Protocol", NULL);
-    while (count == 0 && list && *list && role == PEL_ROLE_NONE) {
+    while (count == 0 && list && *list && who.rank == PEL_RANK_NOBODY) {
         list += strspn(list, " \t,");
         size_t length = strcspn(list, " \t,");
         if (length > 7 && strncmp(list, "bearer.", 7) == 0) {
-            role = pel_token_role(context->token, list + 7, length - 7);
+            who = pel_token_who(context->token, list + 7, length - 7);
         }
         list += length;
     }
-    return role;
+    return who;
+}
+
+enum pel_role pel_http_role(const struct pel_http_context *context,
+                            const struct pel_http_request *request)
+{
+    return pel_role_of_rank(pel_http_who(context, request).rank);
 }
 
 bool pel_http_is_authorized(const struct pel_http_context *context,

@@ -6,9 +6,13 @@
 
 #include "net/http_route.h"
 
-/* The role of the request's token, INSTRUCT where none is asked for: in
+/* Who asks, by the request's token, { 0 } where none is asked for: in
  * Authorization (pel_token_authorizes), or as subprotocol `bearer.TOKEN` of a
  * WebSocket. */
+struct pel_who pel_http_who(const struct pel_http_context *context,
+                            const struct pel_http_request *request);
+
+/* The role. */
 enum pel_role pel_http_role(const struct pel_http_context *context,
                             const struct pel_http_request *request);
 

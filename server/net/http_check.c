@@ -116,7 +116,7 @@ enum pel_err pel_http_check_site(const struct pel_http_context *context,
     const char *origin = pel_http_find_header(request, "Origin", NULL);
     bool watches =
         pel_role_of_route(route->method, route->pattern) <= PEL_ROLE_WATCH;
-    bool edit = !pel_http_is_safe(route->method) && origin;
+    bool edit = !pel_http_is_safe(route->method);
     if (!(route->flags & ROUTE_COSTLY || edit) || !is_foreign(request)) {
         return PEL_OK;
     }
@@ -131,7 +131,7 @@ enum pel_err pel_http_check_site(const struct pel_http_context *context,
                              "pages of %.80s may watch this server, not change "
                              "it: --allow-origin lets them do what the role "
                              "`watch` may",
-                             origin);
+                             origin ? origin : "another origin");
     }
     return PEL_OK;
 }

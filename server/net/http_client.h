@@ -10,6 +10,7 @@
 #include <glib.h>
 #include <microhttpd.h>
 
+#include "net/claims.h"
 #include "net/http_server.h"
 #include "net/liveviewer.h"
 #include "net/mjpeg.h"
@@ -40,7 +41,11 @@ struct client {
     struct MHD_Connection *connection;
     int fd;
     struct pel_http_source source;
-    bool reserve; /* has one of the last places: see http_share.h */
+    struct pel_who who; /* of the last request; NOBODY before its head */
+    bool reserve;       /* has one of the last places: see http_share.h */
+    bool open;          /* asks for what is public: /healthz */
+    bool gone;          /* the client sends no more */
+    struct pel_claim pictures, unread;
     enum phase phase;
     int64_t deadline_ns;
     int64_t since_ns;  /* waiting for headers; the oldest makes room */
@@ -76,6 +81,7 @@ struct waiter {
     int not_found;     /* status of that error here; 0: as everywhere */
     bool if_unchanged; /* an edit of the present revision, or of none */
     struct pel_http_answer *ready; /* waits for its seal; else NULL */
+    struct pel_claim claim;
 };
 
 struct daemon_source;
@@ -91,6 +97,10 @@ struct pel_http_server {
     bool closing;
     bool accepting_reserve; /* of the connection that is being added */
     guint sweeper;
+    int hangups; /* an epoll that tells of clients that have gone */
+    struct pel_fdsource *hangup_source;
+    guint
+        look; /* for those that had gone when they began to wait; 0: no need */
     GPtrArray *clients;
     struct pel_worker *edit_worker, *question_worker; /* http_later.c */
     unsigned reading; /* bodies of edits, by that worker */
@@ -205,6 +215,9 @@ enum MHD_Result pel_http_send_live(struct client *client,
                                    const struct pel_http_answer *answer);
 /* Ends it and gives the socket back; nothing for any other client. */
 void pel_http_end_live(struct client *client);
+
+/* The client has so many bytes of an answer to read, until it has. */
+void pel_http_hold(struct client *client, size_t bytes);
 
 /* Cancels the picture or the surface that the connection waits for. */
 void pel_http_call_off(struct client *client);

@@ -61,6 +61,7 @@ static void on_frame(void *user, enum pel_err err,
     struct client *client = user;
     client->waiting = false;
     client->frame_id = 0;
+    pel_claim_give(&client->pictures);
     if (err != PEL_OK) {
         pel_http_send_fault(client, 0, fault);
     } else {
@@ -73,9 +74,17 @@ static void on_frame(void *user, enum pel_err err,
         add_to_response(response, "Cache-Control", "no-store");
         add_moment(add_to_response, response, frame);
         add_cost(add_to_response, response, frame);
+        pel_http_hold(client, frame->size);
         pel_http_queue(client, 200, response);
     }
     pel_http_resume(client);
+}
+
+static enum pel_err claim(struct client *client, size_t pictures,
+                          struct pel_fault *fault)
+{
+    return pel_claim_take(client->server->context.claims, PEL_CLAIM_PICTURES,
+                          &client->who, pictures, &client->pictures, fault);
 }
 
 /* After asking; the answer may have come already. */
@@ -84,6 +93,7 @@ static enum MHD_Result await(struct client *client, enum pel_err err,
 {
     if (err != PEL_OK) {
         client->waiting = false;
+        pel_claim_give(&client->pictures);
         return pel_http_send_fault(client, 0, fault);
     }
     if (client->waiting) {
@@ -99,8 +109,10 @@ enum MHD_Result pel_http_send_frame(struct client *client,
     struct pel_fault fault;
     uint64_t id = 0;
     client->waiting = true;
-    enum pel_err err = pel_frames_request(
-        pel_http_frames(client), answer->frame, on_frame, client, &id, &fault);
+    enum pel_err err = claim(client, 1, &fault);
+    err = err ? err
+              : pel_frames_request(pel_http_frames(client), answer->frame,
+                                   on_frame, client, &id, &fault);
     pel_http_answer_finish(answer);
     return await(client, err, id, &fault);
 }
@@ -223,6 +235,15 @@ static struct MHD_Response *make_parts(struct pel_frame *const *pictures,
     return response;
 }
 
+static size_t size_of(struct pel_frame *const *pictures, size_t count)
+{
+    size_t size = 0;
+    for (size_t i = 0; i < count; i++) {
+        size += pictures[i]->size;
+    }
+    return size;
+}
+
 static void on_frames(void *user, enum pel_err err,
                       const struct pel_fault *fault,
                       struct pel_frame *const *pictures, size_t count)
@@ -230,6 +251,7 @@ static void on_frames(void *user, enum pel_err err,
     struct client *client = user;
     client->waiting = false;
     client->frame_id = 0;
+    pel_claim_give(&client->pictures);
     struct pel_fault own;
     struct MHD_Response *response =
         err == PEL_OK ? make_parts(pictures, count) : NULL;
@@ -238,6 +260,7 @@ static void on_frames(void *user, enum pel_err err,
                         "multipart/mixed; boundary=" BOUNDARY);
         add_to_response(response, "Cache-Control", "no-store");
         add_moment(add_to_response, response, pictures[0]);
+        pel_http_hold(client, size_of(pictures, count));
         pel_http_queue(client, 200, response);
     } else {
         if (err == PEL_OK) {
@@ -255,9 +278,10 @@ enum MHD_Result pel_http_send_frames(struct client *client,
     struct pel_fault fault;
     uint64_t id = 0;
     client->waiting = true;
-    enum pel_err err =
-        pel_frames_request_set(pel_http_frames(client), answer->frames,
-                               on_frames, client, &id, &fault);
+    enum pel_err err = claim(client, answer->frames->n_frames, &fault);
+    err = err ? err
+              : pel_frames_request_set(pel_http_frames(client), answer->frames,
+                                       on_frames, client, &id, &fault);
     pel_http_answer_finish(answer);
     return await(client, err, id, &fault);
 }

@@ -81,9 +81,11 @@ bool pel_http_precondition(const struct pel_http_call *call)
 }
 
 void pel_http_answer_state(const struct pel_http_context *context,
-                           struct pel_http_answer *answer)
+                           enum pel_role role, struct pel_http_answer *answer)
 {
-    pel_http_copy(answer, 200, &pel_scene_state(context->scene)->base);
+    Pelagos__State state;
+    pel_role_seen(role, pel_scene_state(context->scene), &state);
+    pel_http_copy(answer, 200, &state.base);
     set_revision(context, answer);
 }
 
@@ -113,7 +115,9 @@ void pel_http_state(const struct pel_http_call *call)
     if (is_known(call)) {
         return;
     }
-    pel_http_answer_state(call->context, call->answer);
+    pel_http_answer_state(call->context,
+                          pel_http_role(call->context, call->request),
+                          call->answer);
 }
 
 /* --- handlers ------------------------------------------------------------- */
@@ -313,6 +317,12 @@ static void get_field(const struct pel_http_call *call)
     struct pel_http_answer *answer = call->answer;
     const Pelagos__State *state = pel_scene_state(call->context->scene);
     g_autofree char *path = path_of_segments(call);
+    struct pel_fault fault;
+    if (pel_role_read(pel_http_role(call->context, call->request), path,
+                      &fault) != PEL_OK) {
+        pel_http_refuse(call, 403, &fault);
+        return;
+    }
     /* The time goes on without a revision. */
     bool moves = g_str_has_prefix(path, "clock");
     if (!moves && is_known(call)) {

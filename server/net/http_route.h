@@ -10,6 +10,7 @@
 #include "base/metrics.h"
 #include "frames/debrief.h"
 #include "frames/frames.h"
+#include "net/claims.h"
 #include "net/hls.h"
 #include "net/http_request.h"
 #include "net/series.h"
@@ -31,10 +32,11 @@ struct pel_http_context {
      * none */
     const char *const *origins;
     const char *const
-        *proxies;            /* whose X-Forwarded-For is believed, likewise */
-    struct pel_token *token; /* what clients must give; NULL: nothing */
-    size_t body_limit;       /* bytes; eight times that for /v1/surface */
-    bool stopping;           /* /healthz says so */
+        *proxies;              /* whose X-Forwarded-For is believed, likewise */
+    struct pel_token *token;   /* what clients must give; NULL: nothing */
+    struct pel_claims *claims; /* what they have under way; NULL: any */
+    size_t body_limit;         /* bytes; eight times that for /v1/surface */
+    bool stopping;             /* /healthz says so */
 };
 
 enum pel_http_kind {
@@ -152,9 +154,10 @@ void pel_http_route(const struct pel_http_context *context,
                     const struct pel_http_request *request,
                     struct pel_http_answer *answer);
 
-/* The state, with its revision as tag; or why a patch of it was refused. */
+/* The state as the role reads it, with its revision as tag; or why a patch of
+ * it was refused. */
 void pel_http_answer_state(const struct pel_http_context *context,
-                           struct pel_http_answer *answer);
+                           enum pel_role role, struct pel_http_answer *answer);
 void pel_http_answer_refused(struct pel_http_answer *answer,
                              const struct pel_fault *fault);
 

@@ -16,6 +16,7 @@
 #include "base/watch.h"
 #include "bounds.h"
 #include "net/http_auth.h"
+#include "net/http_hangup.h"
 #include "net/http_head.h"
 #include "net/tcpinfo.h"
 #include "scene/led.h"
@@ -118,10 +119,9 @@ static enum MHD_Result take_head(struct client *client, const char *method)
             answer.status != 404 && answer.status != 401;
         return pel_http_send(client, &answer);
     }
-    bool open = is_health(&request);
-    bool holder = client->server->context.token &&
-                  pel_http_is_authorized(&client->server->context, &request);
-    if (!pel_http_share_admit(client, &request, open, holder, &answer)) {
+    client->who = pel_http_who(&client->server->context, &request);
+    client->open = is_health(&request);
+    if (!pel_http_share_admit(client, &request, &answer)) {
         return pel_http_send(client, &answer);
     }
     client->phase = PHASE_BODY;
@@ -174,6 +174,7 @@ enum MHD_Result pel_http_take(struct client *client)
     bool edited = gated && pel_scene_state(scene)->revision != before;
     client->of_debrief = answer.debrief;
     g_strlcpy(client->ignored, answer.ignored, sizeof client->ignored);
+    answer.profile.who = client->who;
     bool picture = answer.kind == PEL_HTTP_FRAME ||
                    answer.kind == PEL_HTTP_FRAMES ||
                    answer.kind == PEL_HTTP_MJPEG || answer.kind == PEL_HTTP_TS;
@@ -284,6 +285,7 @@ static void *on_target(void *user, const char *target,
 static void forget_request(struct client *client)
 {
     pel_http_call_off(client);
+    pel_claim_give(&client->unread);
     g_free(client->target);
     g_free(client->authority);
     client->target = client->authority = NULL;
@@ -348,8 +350,10 @@ static void on_connection(void *user, struct MHD_Connection *connection,
                                     MHD_CONNECTION_INFO_CLIENT_ADDRESS)
                 ->client_addr;
         client->source = pel_http_source_of(server, address);
+        client->who = pel_http_first_who(server);
         client->reserve = server->accepting_reserve;
         client->first = true;
+        pel_http_watch_hangup(client);
         client->since_ns = pel_now_ns();
         client->deadline_ns = pel_http_after(server->limits.http_header_s);
         g_ptr_array_add(server->clients, client);
@@ -362,6 +366,7 @@ static void on_connection(void *user, struct MHD_Connection *connection,
         pel_http_end_live(client);
         count_half(client);
         forget_request(client);
+        pel_http_unwatch_hangup(client);
         g_ptr_array_remove_fast(server->clients, client);
         g_free(client);
     }
@@ -372,6 +377,7 @@ void pel_http_shut(struct client *client)
     count_half(client);
     client->phase = PHASE_CLOSED;
     pel_http_call_off(client);
+    pel_claim_give(&client->unread);
     pel_http_end_live(client);
     shutdown(client->fd, SHUT_RDWR);
     pel_http_resume(client);
@@ -432,6 +438,30 @@ static void end_stuck(struct pel_http_server *server)
         pel_http_head_refuse(client, 400, &fault);
         pel_http_shut(client);
     }
+}
+
+/* Whoever has gone while we make it wait gives back what it has at once. */
+void pel_http_left(struct client *client)
+{
+    client->gone = true;
+    if (client->suspended && client->phase != PHASE_CLOSED &&
+        vanished(client)) {
+        client->server->vanished++;
+        pel_http_shut(client);
+    }
+}
+
+void pel_http_server_revoke(struct pel_http_server *server)
+{
+    for (guint i = 0; i < server->clients->len; i++) {
+        struct client *client = g_ptr_array_index(server->clients, i);
+        if (client->phase != PHASE_CLOSED &&
+            !pel_token_holds(server->context.token, &client->who)) {
+            server->evicted++;
+            pel_http_shut(client);
+        }
+    }
+    pel_whep_revoke(server->whep, server->context.token);
 }
 
 static gboolean sweep(gpointer user)
@@ -578,6 +608,7 @@ enum pel_err pel_http_server_create(const struct pel_net_limits *limits,
     server->sweeper = g_timeout_add(SWEEP_MS, sweep, server);
     server->edit_worker = pel_worker_create("edits");
     server->question_worker = pel_worker_create("answers");
+    pel_http_watch_hangups(server);
     server->hls = pel_hls_create(frames);
     server->whep = pel_whep_create(frames, whep);
     *out = server;
@@ -601,10 +632,16 @@ void pel_http_server_destroy(struct pel_http_server *server)
     MHD_stop_daemon(server->daemon);
     pel_worker_destroy(server->edit_worker);
     pel_worker_destroy(server->question_worker);
+    pel_http_unwatch_hangups(server);
     pel_hls_destroy(server->hls);
     pel_whep_destroy(server->whep);
     g_ptr_array_free(server->clients, TRUE);
     g_free(server);
+}
+
+bool pel_http_server_starved(struct pel_http_server *server)
+{
+    return pel_http_share_starved(server);
 }
 
 void pel_http_server_stop(struct pel_http_server *server)

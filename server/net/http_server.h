@@ -27,9 +27,15 @@ void pel_http_server_destroy(struct pel_http_server *server);
 bool pel_http_server_accept(struct pel_http_server *server, int fd,
                             const struct sockaddr *address, socklen_t size);
 
+/* As pel_listener_on_starved wants it. */
+bool pel_http_server_starved(struct pel_http_server *server);
+
 /* From now on /healthz says that the server stops, and other requests that
  * are new are refused with 503. */
 void pel_http_server_stop(struct pel_http_server *server);
+
+/* Tokens have changed: whoever has one that does not hold ends. */
+void pel_http_server_revoke(struct pel_http_server *server);
 
 /* Requests being answered, streams not counted. */
 unsigned pel_http_server_in_flight(const struct pel_http_server *server);

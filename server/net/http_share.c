@@ -69,25 +69,43 @@ static unsigned share_of(const struct pel_http_server *server,
                             : server->limits.http_per_source;
 }
 
+struct pel_who pel_http_first_who(const struct pel_http_server *server)
+{
+    return (struct pel_who){ server->context.token ? PEL_RANK_NOBODY
+                                                   : PEL_RANK_INSTRUCT,
+                             0 };
+}
+
 /* --- connections ---------------------------------------------------------- */
 
-/* The one that has been in the middle of a head or a body for longest: whoever
- * sends whole requests is not crowded out by those who do not. */
+/* Nothing is lost with it but an answer that anybody may ask for again. */
+static bool may_go(const struct client *each)
+{
+    return each->phase == PHASE_HEADERS || each->phase == PHASE_BODY ||
+           (each->phase == PHASE_ANSWER && each->open);
+}
+
+/* Of the lowest rank the one that has been idle, or in the middle of a head or
+ * a body, for longest: whoever sends whole requests is not crowded out by those
+ * who do not. `spared`: and all above it. */
 static struct client *find_victim(const struct pel_http_server *server,
                                   bool reserve,
-                                  const struct pel_http_source *source)
+                                  const struct pel_http_source *source,
+                                  int spared)
 {
-    struct client *oldest = NULL;
+    struct client *found = NULL;
     for (guint i = 0; i < server->clients->len; i++) {
         struct client *each = g_ptr_array_index(server->clients, i);
-        bool half = each->phase == PHASE_HEADERS || each->phase == PHASE_BODY;
-        if (half && each->reserve == reserve &&
-            (!source || same_source(&each->source, source)) &&
-            (!oldest || each->since_ns < oldest->since_ns)) {
-            oldest = each;
+        bool better = !found || each->who.rank > found->who.rank ||
+                      (each->who.rank == found->who.rank &&
+                       each->since_ns < found->since_ns);
+        if (may_go(each) && better && each->reserve == reserve &&
+            (int)each->who.rank > spared &&
+            (!source || same_source(&each->source, source))) {
+            found = each;
         }
     }
-    return oldest;
+    return found;
 }
 
 static void refuse_client(int fd, int status, const char *words)
@@ -114,17 +132,25 @@ bool pel_http_share_open(struct pel_http_server *server, int fd,
         same += counts && !each->reserve && same_source(&each->source, source);
     }
     bool many = !source->proxy && same >= share_of(server, source);
+    const struct pel_http_source *of = many ? source : NULL;
     *reserve = false;
     if (!many && open < server->limits.http_connections) {
         return true;
     }
-    struct client *victim = find_victim(server, false, many ? source : NULL);
+    /* An instructor's idle connection is the last to go, for a newcomer that
+     * may be anybody. */
+    int spared = server->context.token ? PEL_RANK_INSTRUCT : -1;
+    struct client *victim = find_victim(server, false, of, spared);
     if (!victim) {
         *reserve = true;
         if (reserved < PEL_HTTP_RESERVE) {
             return true;
         }
-        victim = find_victim(server, true, NULL);
+        victim = find_victim(server, true, NULL, -1);
+    }
+    if (!victim) {
+        *reserve = false;
+        victim = find_victim(server, false, of, -1);
     }
     if (victim) {
         server->evicted++;
@@ -139,6 +165,27 @@ bool pel_http_share_open(struct pel_http_server *server, int fd,
     refuse_client(fd, many ? 429 : 503,
                   many ? "Too Many Requests" : "Service Unavailable");
     return false;
+}
+
+bool pel_http_share_starved(struct pel_http_server *server)
+{
+    struct client *found = NULL;
+    for (guint i = 0; i < server->clients->len; i++) {
+        struct client *each = g_ptr_array_index(server->clients, i);
+        bool spare = may_go(each) || (each->phase != PHASE_CLOSED &&
+                                      each->who.rank >= PEL_RANK_WATCH);
+        bool better = !found || may_go(each) > may_go(found) ||
+                      (may_go(each) == may_go(found) &&
+                       (each->who.rank > found->who.rank ||
+                        (each->who.rank == found->who.rank &&
+                         each->since_ns < found->since_ns)));
+        found = spare && better ? each : found;
+    }
+    if (found) {
+        server->evicted++;
+        pel_http_shut(found);
+    }
+    return found != NULL;
 }
 
 /* --- requests ------------------------------------------------------------- */
@@ -170,74 +217,164 @@ static bool read_forwarded(const struct pel_http_request *request,
     return read_address(text, out);
 }
 
-/* Others of the same source that are in the middle of something. */
-static unsigned count_busy(const struct client *client, bool streams)
+/* Where places are counted: of one source, or of all. */
+struct scope {
+    bool of_source, streams;
+    unsigned places;
+};
+
+static bool is_busy(const struct client *each, const struct scope *in)
 {
-    unsigned count = 0;
+    return each->phase == PHASE_STREAM ||
+           (!in->streams &&
+            (each->phase == PHASE_BODY || each->phase == PHASE_ANSWER));
+}
+
+/* Of others. */
+static struct pel_taken count_busy(const struct client *client,
+                                   const struct scope *in)
+{
+    struct pel_taken taken = { { 0 }, 0 };
     const GPtrArray *clients = client->server->clients;
     for (guint i = 0; i < clients->len; i++) {
         const struct client *each = g_ptr_array_index(clients, i);
-        bool busy = each->phase == PHASE_STREAM ||
-                    (!streams && (each->phase == PHASE_BODY ||
-                                  each->phase == PHASE_ANSWER));
-        count += busy && each != client &&
-                 same_source(&each->source, &client->source);
+        if (each != client && is_busy(each, in) &&
+            (!in->of_source || same_source(&each->source, &client->source))) {
+            pel_taken_add(&taken, &client->who, &each->who, 1);
+        }
     }
-    return count;
+    /* A class behind one address has one token. */
+    if (in->of_source && !client->source.loopback) {
+        taken.of_token = 0;
+    }
+    return taken;
+}
+
+/* Ends the oldest of the lowest rank below the client's; `open`: or of any
+ * rank, but what it asks for is public. False: there is none. */
+static bool make_room(const struct client *client, const struct scope *in,
+                      bool open)
+{
+    struct client *found = NULL;
+    const GPtrArray *clients = client->server->clients;
+    for (guint i = 0; i < clients->len; i++) {
+        struct client *each = g_ptr_array_index(clients, i);
+        bool better = !found || each->who.rank > found->who.rank ||
+                      (each->who.rank == found->who.rank &&
+                       each->since_ns < found->since_ns);
+        bool lower = open ? each->open : each->who.rank > client->who.rank;
+        if (each != client && is_busy(each, in) && lower && better &&
+            (!in->of_source || same_source(&each->source, &client->source))) {
+            found = each;
+        }
+    }
+    if (found) {
+        client->server->evicted++;
+        pel_http_shut(found);
+    }
+    return found != NULL;
 }
 
 static bool refuse_many(struct client *client, struct pel_http_answer *answer,
-                        const char *what, unsigned most)
+                        const char *what, const char *whose, uint64_t most)
 {
     struct pel_fault fault;
     pel_fault_set(&fault, PEL_ERR_BUSY,
-                  "%s of this address are taken, %u: end one, or try again "
-                  "later",
-                  what, most);
+                  "%s %s are taken, %u: end one, or try again later", what,
+                  whose, (unsigned)most);
     client->server->refused++;
+    pel_http_answer_finish(answer);
+    *answer = (struct pel_http_answer){ .kind = PEL_HTTP_WHOLE };
     pel_http_problem(answer, 429, &fault);
     answer->retry_after_s = 1;
     answer->close = true;
     return false;
 }
 
+/* Whether the client's share of these places has one more. */
+static bool has_share(struct client *client, const struct scope *in,
+                      const char *what, struct pel_http_answer *answer)
+{
+    const struct pel_who *who = &client->who;
+    for (;;) {
+        struct pel_taken taken = count_busy(client, in);
+        enum pel_share_answer share = pel_share_ask(in->places, &taken, who, 1);
+        if (!share) {
+            return true;
+        }
+        if (who->rank >= PEL_RANK_WATCH || !make_room(client, in, false)) {
+            bool all =
+                share != PEL_SHARE_TOKEN_FULL && who->rank == PEL_RANK_INSTRUCT;
+            return refuse_many(client, answer, what,
+                               all ? in->of_source ? "of this address"
+                                                   : "of all addresses"
+                                   : pel_share_words(share, who->rank),
+                               share == PEL_SHARE_TOKEN_FULL
+                                   ? pel_share_of_token(in->places, who->rank)
+                                   : pel_share_of_rank(in->places, who->rank));
+        }
+    }
+}
+
+/* A place among the others for one that has one of the last: a request of a
+ * lower role ends for it. */
+static void leave_reserve(struct client *client)
+{
+    const struct scope everywhere = { false, false,
+                                      client->server->limits.http_connections };
+    if (client->reserve && client->who.rank < PEL_RANK_WATCH &&
+        make_room(client, &everywhere, false)) {
+        client->reserve = false;
+    }
+}
+
 bool pel_http_share_admit(struct client *client,
-                          const struct pel_http_request *request, bool open,
-                          bool holder, struct pel_http_answer *answer)
+                          const struct pel_http_request *request,
+                          struct pel_http_answer *answer)
 {
     struct in6_addr address;
+    const struct pel_http_server *server = client->server;
     if (client->source.proxy && read_forwarded(request, &address)) {
         client->source.address = address;
         client->source.loopback = is_loopback(&address);
     }
-    if (open || (client->reserve && holder)) {
+    const struct scope source = { true, false,
+                                  share_of(server, &client->source) };
+    const struct scope all = { false, false, server->limits.http_connections };
+    if (client->open) {
+        struct pel_taken taken = count_busy(client, &all);
+        if (pel_share_ask(all.places, &taken, &client->who, 1)) {
+            make_room(client, &all, true);
+        }
         return true;
     }
-    unsigned most = share_of(client->server, &client->source);
-    if (client->reserve ||
-        (client->source.proxy && count_busy(client, false) >= most)) {
-        return refuse_many(client, answer, "the connections", most);
+    bool tokens = server->context.token != NULL;
+    leave_reserve(client);
+    if (client->reserve && tokens && client->who.rank < PEL_RANK_WATCH) {
+        return true;
     }
-    return true;
+    if (client->reserve) {
+        return refuse_many(client, answer, "the connections", "of this address",
+                           source.places);
+    }
+    return !(tokens || client->source.proxy) ||
+           (has_share(client, &source, "the connections", answer) &&
+            has_share(client, &all, "the connections", answer));
 }
 
 bool pel_http_share_stream(struct client *client,
                            struct pel_http_answer *answer)
 {
     unsigned share = share_of(client->server, &client->source);
-    unsigned most = client->source.loopback ? share - share / 8 : share;
-    unsigned all = 0;
-    const GPtrArray *clients = client->server->clients;
-    for (guint i = 0; i < clients->len; i++) {
-        const struct client *each = g_ptr_array_index(clients, i);
-        all += each->phase == PHASE_STREAM;
-    }
     unsigned total = client->server->limits.http_connections;
-    if (client->reserve || all >= total - total / 8 ||
-        count_busy(client, true) >= most) {
-        pel_http_answer_finish(answer);
-        *answer = (struct pel_http_answer){ .kind = PEL_HTTP_WHOLE };
-        return refuse_many(client, answer, "the live views", most);
+    const struct scope source = { true, true,
+                                  client->source.loopback ? share - share / 8
+                                                          : share };
+    const struct scope all = { false, true, total - total / 8 };
+    if (client->reserve) {
+        return refuse_many(client, answer, "the live views", "of this address",
+                           source.places);
     }
-    return true;
+    return has_share(client, &source, "the live views", answer) &&
+           has_share(client, &all, "the live views", answer);
 }

@@ -19,14 +19,15 @@
 #include "net/fdsource.h"
 
 #define BACKLOG 512
-#define ACCEPTS_A_TURN 64
-#define STARVED_PAUSE_NS 100000000
+#define ACCEPTS_A_TURN 16 /* then those that came are heard */
+#define STARVED_PAUSE_NS 20000000
 
 struct pel_listener {
     int fd;
     int spare; /* given up for a moment to refuse with */
     struct pel_fdsource *source;
     pel_listener_accept accept;
+    bool (*make_room)(void *user); /* NULL: there is nobody */
     void *user;
     uint16_t port;
     uint64_t starved;
@@ -55,8 +56,15 @@ static int open_spare(void)
     return open("/dev/null", O_RDONLY | O_CLOEXEC);
 }
 
-/* Out of descriptors: with the spare one a client is taken and closed, so that
- * it knows, and the backlog does not keep the loop spinning. */
+void pel_listener_on_starved(struct pel_listener *self,
+                             bool (*make_room)(void *user))
+{
+    self->make_room = make_room;
+}
+
+/* Out of descriptors: with the spare one a client is taken. Another makes room
+ * for it, or it is closed, so that it knows, and the backlog does not keep the
+ * loop spinning. */
 static void refuse_starved(struct pel_listener *self)
 {
     static struct pel_log_limit limit;
@@ -65,15 +73,21 @@ static void refuse_starved(struct pel_listener *self)
                     "(raise LimitNOFILE or ulimit -n)");
     if (self->spare >= 0) {
         close(self->spare);
-        int fd = accept4(self->fd, NULL, NULL, SOCK_CLOEXEC | SOCK_NONBLOCK);
-        if (fd >= 0) {
-            self->starved++;
+        struct sockaddr_storage address = { .ss_family = AF_UNIX };
+        socklen_t size = sizeof address;
+        int fd = accept4(self->fd, (struct sockaddr *)&address, &size,
+                         SOCK_CLOEXEC | SOCK_NONBLOCK);
+        bool taken =
+            fd >= 0 && self->make_room && self->make_room(self->user) &&
+            self->accept(self->user, fd, (struct sockaddr *)&address, size);
+        self->starved += fd >= 0; /* this one, or who makes room for it */
+        if (fd >= 0 && !taken) {
             close(fd);
         }
     }
     self->spare = open_spare();
     if (self->spare < 0) {
-        /* Another thread took it: look again a little later. */
+        /* It is in use, or another thread took it: look a little later. */
         pel_fdsource_want(self->source, 0);
         pel_fdsource_wake_at(self->source, pel_now_ns() + STARVED_PAUSE_NS);
     }

@@ -38,6 +38,11 @@ PEL_CHECK enum pel_err pel_listener_unix(const char *path,
                                          struct pel_listener **out,
                                          struct pel_fault *fault);
 
+/* Where descriptors run out: ends a client of the owner's that may do less than
+ * others, soon; false: there is none. Without it newcomers are closed. */
+void pel_listener_on_starved(struct pel_listener *listener,
+                             bool (*make_room)(void *user));
+
 void pel_listener_destroy(struct pel_listener *listener); /* NULL allowed */
 
 /* Port bound; 0 for a Unix socket. */

@@ -62,6 +62,7 @@ static void on_frame(void *user, enum pel_err err,
 
 enum pel_err pel_viewer_create(struct pel_frames *frames, const char *view,
                                int quality, double fps,
+                               const struct pel_who *who,
                                struct pel_mjpeg_stats *stats,
                                void (*wake)(void *user), void *user,
                                struct pel_viewer **out, struct pel_fault *fault)
@@ -71,8 +72,9 @@ enum pel_err pel_viewer_create(struct pel_frames *frames, const char *view,
     self->wake = wake;
     self->user = user;
     self->interval_ns = fps > 0.0 ? (int64_t)(1e9 / fps) : 0;
-    enum pel_err err = pel_frames_subscribe(frames, view, quality, on_frame,
-                                            self, &self->subscription, fault);
+    const struct pel_profile profile = { .quality = quality, .who = *who };
+    enum pel_err err = pel_frames_open(frames, view, &profile, on_frame, self,
+                                       &self->subscription, fault);
     if (err != PEL_OK) {
         g_free(self);
         return err;

@@ -23,9 +23,9 @@ struct pel_viewer;
  * 0. fps 0: every frame. Errors as pel_frames_subscribe. */
 PEL_CHECK enum pel_err
 pel_viewer_create(struct pel_frames *frames, const char *view, int quality,
-                  double fps, struct pel_mjpeg_stats *stats,
-                  void (*wake)(void *user), void *user, struct pel_viewer **out,
-                  struct pel_fault *fault);
+                  double fps, const struct pel_who *who,
+                  struct pel_mjpeg_stats *stats, void (*wake)(void *user),
+                  void *user, struct pel_viewer **out, struct pel_fault *fault);
 void pel_viewer_destroy(struct pel_viewer *viewer); /* NULL allowed */
 
 /* Copies the next bytes of the stream: their number, 0: none now, -1: the view

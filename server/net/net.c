@@ -30,6 +30,7 @@ struct pel_net {
     struct pel_http_server *http;
     struct pel_sessions *sessions;
     struct pel_series *series;
+    struct pel_claims *claims;
     struct pel_rtsp *rtsp; /* NULL: off */
     struct pel_listener *http_listener, *tcp_listener, *unix_listener;
     uint16_t http_port, tcp_port;
@@ -69,6 +70,18 @@ static bool accept_http(void *user, int fd, const struct sockaddr *address,
 {
     struct pel_net *net = user;
     return pel_http_server_accept(net->http, fd, address, size);
+}
+
+static bool starved_http(void *user)
+{
+    struct pel_net *net = user;
+    return pel_http_server_starved(net->http);
+}
+
+static bool starved_tcp(void *user)
+{
+    struct pel_net *net = user;
+    return pel_sessions_starved(net->sessions);
 }
 
 static bool accept_tcp(void *user, int fd, const struct sockaddr *address,
@@ -155,6 +168,7 @@ static void collect(void *user, struct pel_metrics_page *page)
     collect_process(page);
     pel_sessions_collect(net->sessions, page);
     pel_series_collect(net->series, page);
+    pel_claims_collect(net->claims, page);
     if (net->http) {
         pel_http_server_collect(net->http, page);
     }
@@ -204,11 +218,25 @@ static enum pel_err load_secrets(struct pel_net *net, struct pel_fault *fault)
     return err;
 }
 
+/* Whatever was begun with a token that does not hold any more ends. */
+static void end_revoked(struct pel_net *net)
+{
+    pel_sessions_revoke(net->sessions);
+    if (net->http) {
+        pel_http_server_revoke(net->http);
+    }
+    if (net->rtsp) {
+        pel_rtsp_revoke(net->rtsp);
+    }
+}
+
 void pel_net_reload(struct pel_net *net)
 {
     struct pel_fault fault;
     if (net->token && pel_token_reload(net->token, &fault) != PEL_OK) {
         pel_error("NET-008", "the old token stays in use: %s", fault.message);
+    } else if (net->token) {
+        end_revoked(net);
     }
     if (net->tls && pel_tls_reload(net->tls, &fault) != PEL_OK) {
         pel_error("NET-009", "the old certificate stays in use: %s",
@@ -225,9 +253,15 @@ static enum pel_err listen_all(struct pel_net *net, struct pel_fault *fault)
         err = pel_listener_tcp("--http", o->http_address, o->http_port, remote,
                                accept_http, net, &net->http_listener, fault);
     }
+    if (err == PEL_OK && net->http_listener) {
+        pel_listener_on_starved(net->http_listener, starved_http);
+    }
     if (err == PEL_OK && o->tcp_address) {
         err = pel_listener_tcp("--tcp", o->tcp_address, o->tcp_port, remote,
                                accept_tcp, net, &net->tcp_listener, fault);
+    }
+    if (err == PEL_OK && net->tcp_listener) {
+        pel_listener_on_starved(net->tcp_listener, starved_tcp);
     }
     if (err == PEL_OK && o->unix_path) {
         err = pel_listener_unix(o->unix_path, accept_unix, net,
@@ -293,7 +327,9 @@ enum pel_err pel_net_create(const struct pel_net_options *options,
                                         options->debrief, net->token);
     pel_sessions_exercises(net->sessions, options->exercises);
     pel_sessions_cluster(net->sessions, options->cluster);
-    net->series = pel_series_create(scene, frames);
+    net->claims = pel_claims_create();
+    pel_sessions_claims(net->sessions, net->claims);
+    net->series = pel_series_create(scene, frames, net->claims);
     pel_sessions_series(net->sessions, net->series);
     if (err == PEL_OK && options->http_address) {
         struct pel_http_context context = {
@@ -308,6 +344,7 @@ enum pel_err pel_net_create(const struct pel_net_options *options,
             .origins = options->http_origins,
             .proxies = options->http_proxies,
             .token = net->token,
+            .claims = net->claims,
             .body_limit = options->limits.http_body_bytes,
         };
         const struct pel_whep_places whep = {
@@ -392,6 +429,7 @@ void pel_net_destroy(struct pel_net *net)
     net->rtsp = NULL;
     pel_sessions_destroy(net->sessions);
     pel_series_destroy(net->series);
+    pel_claims_destroy(net->claims);
     pel_tls_destroy(net->tls);
     pel_token_destroy(net->token);
     g_free(net);

@@ -88,8 +88,9 @@ PEL_CHECK enum pel_err pel_net_create(const struct pel_net_options *options,
                                       struct pel_net **out,
                                       struct pel_fault *fault);
 
-/* Reads the token and the certificate again, for clients to come; what cannot
- * be read stays as it was, and the log says why. */
+/* Reads the tokens and the certificate again; what cannot be read stays as it
+ * was, and the log says why. Clients whose token is gone, or has a lower role
+ * now, end; those of other tokens notice nothing. */
 void pel_net_reload(struct pel_net *net);
 
 /* Refuses new clients and new requests from now on; `done` is called once no

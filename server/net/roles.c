@@ -12,6 +12,16 @@
 
 static const char *const names[] = { "none", "watch", "steer", "instruct" };
 
+enum pel_role pel_role_of_rank(enum pel_rank rank)
+{
+    return (enum pel_role)(PEL_RANK_NOBODY - rank);
+}
+
+enum pel_rank pel_rank_of_role(enum pel_role role)
+{
+    return (enum pel_rank)(PEL_ROLE_INSTRUCT - role);
+}
+
 const char *pel_role_name(enum pel_role role)
 {
     return names[role];
@@ -224,6 +234,64 @@ static enum pel_err need_parts(enum pel_role has, const Pelagos__State *to,
         }
     }
     return err;
+}
+
+/* --- reading -------------------------------------------------------------- */
+
+static const struct {
+    enum pel_role role;
+    const char *field;
+} read_rows[] = {
+#define PEL_ROLE_READ(role, field) { PEL_ROLE_##role, field },
+#include "proto/roles.def"
+};
+
+/* NULL: everybody reads it. */
+static const char *hidden_field(enum pel_role has, const char *name)
+{
+    size_t length = strcspn(name, ".");
+    for (size_t i = 0; i < G_N_ELEMENTS(read_rows); i++) {
+        const char *field = read_rows[i].field;
+        if (has < read_rows[i].role && strlen(field) == length &&
+            strncmp(field, name, length) == 0) {
+            return field;
+        }
+    }
+    return NULL;
+}
+
+void pel_role_seen(enum pel_role has, const Pelagos__State *state,
+                   Pelagos__State *out)
+{
+    const ProtobufCMessageDescriptor *type = &pelagos__state__descriptor;
+    *out = *state;
+    for (unsigned i = 0; i < type->n_fields; i++) {
+        const ProtobufCFieldDescriptor *field = &type->fields[i];
+        bool many = field->label == PROTOBUF_C_LABEL_REPEATED;
+        if (!hidden_field(has, pel_field_info(type, field)->name)) {
+            continue;
+        }
+        if (many) {
+            *(size_t *)((char *)out + field->quantifier_offset) = 0;
+        } else { /* a message: roles_test.c */
+            *(void **)((char *)out + field->offset) = NULL;
+        }
+    }
+}
+
+enum pel_err pel_role_read(enum pel_role has, const char *path,
+                           struct pel_fault *fault)
+{
+    const char *field = hidden_field(has, path);
+    for (size_t i = 0; field && i < G_N_ELEMENTS(read_rows); i++) {
+        if (strcmp(read_rows[i].field, field) == 0) {
+            enum pel_err err =
+                pel_role_need(has, read_rows[i].role, path, fault);
+            pel_fault_at(fault, path, NULL);
+            return err;
+        }
+    }
+    return PEL_OK;
 }
 
 enum pel_err pel_role_patch(enum pel_role has, const Pelagos__Patch *patch,

@@ -5,6 +5,7 @@
 #include <stddef.h>
 
 #include "base/err.h"
+#include "base/share.h"
 #include "pelagos.pb-c.h"
 
 /* Each may do what those before it may. */
@@ -14,6 +15,9 @@ enum pel_role {
     PEL_ROLE_STEER,
     PEL_ROLE_INSTRUCT,
 };
+
+enum pel_role pel_role_of_rank(enum pel_rank rank);
+enum pel_rank pel_rank_of_role(enum pel_role role);
 
 /* "watch", "steer", "instruct"; "none". */
 const char *pel_role_name(enum pel_role role);
@@ -32,6 +36,14 @@ enum pel_role pel_role_of_command(Pelagos__Request__CommandCase command);
 /* FORBIDDEN where `has` is less than `needs`; `what` names it. */
 PEL_CHECK enum pel_err pel_role_need(enum pel_role has, enum pel_role needs,
                                      const char *what, struct pel_fault *fault);
+
+/* The state as the role reads it: a copy of *state alone, whose parts are
+ * borrowed, without the fields that it may not read. */
+void pel_role_seen(enum pel_role has, const Pelagos__State *state,
+                   Pelagos__State *out);
+/* FORBIDDEN for a path into one of these. */
+PEL_CHECK enum pel_err pel_role_read(enum pel_role has, const char *path,
+                                     struct pel_fault *fault);
 
 /* Whether the role may make this patch of the state; FORBIDDEN names the first
  * field that it may not. */

@@ -102,9 +102,36 @@ static void the_fields_of_a_role_are_those_of_the_table(void **state)
     assert_null(pel_role_field(PEL_ROLE_INSTRUCT, 1));
 }
 
+static void what_is_to_come_is_not_read(void **state)
+{
+    (void)state;
+    Pelagos__State whole, seen;
+    Pelagos__ExerciseRun run = PELAGOS__EXERCISE_RUN__INIT;
+    Pelagos__Sea sea = PELAGOS__SEA__INIT;
+    Pelagos__Preset *presets[1] = { NULL };
+    pelagos__state__init(&whole);
+    whole.presets = presets;
+    whole.n_presets = 1;
+    whole.exercise = &run;
+    whole.sea = &sea;
+    pel_role_seen(PEL_ROLE_INSTRUCT, &whole, &seen);
+    assert_true(seen.n_presets == 1 && seen.exercise == &run);
+    for (int role = PEL_ROLE_NONE; role < PEL_ROLE_INSTRUCT; role++) {
+        struct pel_fault fault;
+        pel_role_seen((enum pel_role)role, &whole, &seen);
+        assert_true(seen.n_presets == 0 && !seen.exercise && seen.sea == &sea);
+        assert_int_equal(
+            pel_role_read((enum pel_role)role, "presets.x.title", &fault),
+            PEL_ERR_FORBIDDEN);
+        assert_int_equal(pel_role_read((enum pel_role)role, "sea", &fault),
+                         PEL_OK);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(what_is_to_come_is_not_read),
         cmocka_unit_test(what_each_may_patch),
         cmocka_unit_test(what_is_not_named_is_the_instructors),
         cmocka_unit_test(the_fields_of_a_role_are_those_of_the_table),

@@ -19,7 +19,9 @@
 #include "net/rtspstream.h"
 
 #define MAX_CLIENTS PEL_BOUND_RTSP_CLIENTS
-#define MAX_SESSIONS MAX_CLIENTS
+#define MAX_STRANGERS PEL_BOUND_RTSP_STRANGERS
+#define MOST_CLIENTS (MAX_CLIENTS + MAX_STRANGERS)
+#define MAX_SESSIONS MOST_CLIENTS
 #define THREADS 8      /* setting up and tearing down takes time */
 #define MAX_WAITING 32 /* clients, while GStreamer starts */
 #define CLEAN_S 2
@@ -28,6 +30,9 @@
  * TLS handshake, has so long, and less where its place is wanted. */
 #define LOITER_NS (PEL_BOUND_RTSP_IDLE_S * INT64_C(1000000000))
 #define WANTED_NS (1 * INT64_C(1000000000))
+/* A stranger has so long even where others wait: one that gives its token at
+ * once is not crowded out by those who only connect. */
+#define NEW_NS (100 * INT64_C(1000000))
 /* Beyond that while we are at what it asked for: a first picture may take a
  * busy machine some seconds. */
 #define BUSY_NS (22 * INT64_C(1000000000))
@@ -51,7 +56,13 @@
 /* What is known of a client; it lives as long. */
 struct visit {
     _Atomic int64_t since_ns; /* it does nothing; INT64_MAX: it was sent away */
+    atomic_bool known;        /* it has a place: who it is is known */
+    atomic_bool played;       /* once at least */
     GPtrArray *sessions;      /* its thread's */
+    /* The lock of the places protects these: */
+    struct pel_who who;
+    int64_t placed_ns;
+    GSocket *socket; /* a reference; NULL: it is closed */
 };
 
 enum state {
@@ -83,7 +94,10 @@ struct pel_rtsp {
     GstRTSPServer *server;
     GHashTable *mounted; /* names of views */
     guint cleaner;
+    pthread_mutex_t lock;
+    GPtrArray *places; /* of struct visit: those that are known */
     atomic_uint clients;
+    atomic_uint crowded; /* refused: their share is taken */
     uint64_t accepted, refused, timeouts;
 };
 
@@ -99,6 +113,19 @@ static void on_unprepared(GstRTSPMedia *media, gpointer user)
     }
 }
 
+static struct visit *visit_of(GstRTSPClient *client)
+{
+    return g_object_get_data(G_OBJECT(client), VISIT_KEY);
+}
+
+/* Of the thread's client, which has been admitted. */
+static struct pel_who who_asks(void)
+{
+    const GstRTSPContext *at = gst_rtsp_context_get_current();
+    const struct visit *visit = at && at->client ? visit_of(at->client) : NULL;
+    return visit ? visit->who : (struct pel_who){ PEL_RANK_NOBODY, 0 };
+}
+
 static void on_configure(GstRTSPMediaFactory *factory, GstRTSPMedia *media,
                          gpointer user)
 {
@@ -106,8 +133,9 @@ static void on_configure(GstRTSPMediaFactory *factory, GstRTSPMedia *media,
     GstElement *bin = gst_rtsp_media_get_element(media);
     GstElement *source = gst_bin_get_by_name_recurse_up(GST_BIN(bin), "source");
     const char *view = g_object_get_data(G_OBJECT(factory), VIEW_KEY);
+    const struct pel_who who = who_asks();
     struct pel_rtsp_stream *stream =
-        pel_rtsp_stream_create(hub, view, GST_APP_SRC(source));
+        pel_rtsp_stream_create(hub, view, &who, GST_APP_SRC(source));
     g_object_set_data_full(G_OBJECT(media), STREAM_KEY, stream,
                            (GDestroyNotify)pel_rtsp_stream_close);
     g_signal_connect(media, "unprepared", G_CALLBACK(on_unprepared), NULL);
@@ -118,8 +146,8 @@ static void on_configure(GstRTSPMediaFactory *factory, GstRTSPMedia *media,
 static void on_play(GstRTSPClient *client, GstRTSPContext *context,
                     gpointer user)
 {
-    (void)client;
     (void)user;
+    atomic_store(&visit_of(client)->played, true);
     GstRTSPMedia *media =
         context->sessmedia
             ? gst_rtsp_session_media_get_media(context->sessmedia)
@@ -131,15 +159,11 @@ static void on_play(GstRTSPClient *client, GstRTSPContext *context,
     }
 }
 
-static struct visit *visit_of(GstRTSPClient *client)
-{
-    return g_object_get_data(G_OBJECT(client), VISIT_KEY);
-}
-
 static void free_visit(gpointer pointer)
 {
     struct visit *visit = pointer;
     g_ptr_array_unref(visit->sessions);
+    g_clear_object(&visit->socket);
     g_free(visit);
 }
 
@@ -154,6 +178,21 @@ static GstRTSPStatusCode on_asked(GstRTSPClient *client,
         atomic_store(&visit->since_ns, pel_now_ns() + BUSY_NS);
     }
     return GST_RTSP_STS_OK;
+}
+
+/* One session a connection: they are as many as connections then. */
+static GstRTSPStatusCode on_setup(GstRTSPClient *client,
+                                  GstRTSPContext *context, gpointer user)
+{
+    if (!context->session) {
+        GList *sessions = gst_rtsp_client_session_filter(client, NULL, NULL);
+        bool has_one = sessions != NULL;
+        g_list_free_full(sessions, g_object_unref);
+        if (has_one) {
+            return GST_RTSP_STS_SERVICE_UNAVAILABLE;
+        }
+    }
+    return on_asked(client, context, user);
 }
 
 static void on_session(GstRTSPClient *client, GstRTSPSession *session,
@@ -172,7 +211,12 @@ static void on_session(GstRTSPClient *client, GstRTSPSession *session,
 static void on_closed(GstRTSPClient *client, gpointer user)
 {
     struct pel_rtsp *rtsp = user;
-    GPtrArray *sessions = visit_of(client)->sessions;
+    struct visit *visit = visit_of(client);
+    GPtrArray *sessions = visit->sessions;
+    pthread_mutex_lock(&rtsp->lock);
+    g_ptr_array_remove_fast(rtsp->places, visit);
+    g_clear_object(&visit->socket);
+    pthread_mutex_unlock(&rtsp->lock);
     GstRTSPSessionPool *pool = gst_rtsp_client_get_session_pool(client);
     for (guint i = 0; pool && i < sessions->len; i++) {
         pel_rtsp_guard_disown(
@@ -184,22 +228,107 @@ static void on_closed(GstRTSPClient *client, gpointer user)
     atomic_fetch_sub(&rtsp->clients, 1);
 }
 
+/* --- places by who they are of -------------------------------------------- */
+
+/* With the lock. Its own thread sees the end, as if the client had left, and
+ * tidies up; closed from here the socket would stay, and the thread read from
+ * what is gone. */
+static void end_visit(struct pel_rtsp *rtsp, struct visit *visit)
+{
+    g_ptr_array_remove_fast(rtsp->places, visit);
+    atomic_store(&visit->since_ns, INT64_MAX);
+    if (visit->socket) {
+        pel_rtsp_guard_end(visit->socket);
+    }
+}
+
+/* With the lock: of the lowest rank below, the oldest. False: there is none. */
+static bool make_room(struct pel_rtsp *rtsp, const struct pel_who *who)
+{
+    struct visit *found = NULL;
+    for (guint i = 0; who->rank < PEL_RANK_WATCH && i < rtsp->places->len;
+         i++) {
+        struct visit *each = g_ptr_array_index(rtsp->places, i);
+        bool better = !found || each->who.rank > found->who.rank ||
+                      (each->who.rank == found->who.rank &&
+                       each->placed_ns < found->placed_ns);
+        found = each->who.rank > who->rank && better ? each : found;
+    }
+    if (found) {
+        end_visit(rtsp, found);
+    }
+    return found != NULL;
+}
+
+/* Any thread: whether a client of this token may have a place. */
+static bool admit(void *user, GstRTSPClient *client, const struct pel_who *who)
+{
+    struct pel_rtsp *rtsp = user;
+    struct visit *visit = visit_of(client);
+    bool same = atomic_load(&visit->known) && visit->who.token == who->token &&
+                visit->who.rank == who->rank;
+    if (same) {
+        return true;
+    }
+    pthread_mutex_lock(&rtsp->lock);
+    g_ptr_array_remove_fast(rtsp->places, visit);
+    enum pel_share_answer share;
+    do {
+        struct pel_taken taken = { { 0 }, 0 };
+        for (guint i = 0; i < rtsp->places->len; i++) {
+            const struct visit *each = g_ptr_array_index(rtsp->places, i);
+            pel_taken_add(&taken, who, &each->who, 1);
+        }
+        share = pel_share_ask(MAX_CLIENTS, &taken, who, 1);
+    } while (share && make_room(rtsp, who));
+    if (!share) {
+        visit->who = *who;
+        visit->placed_ns = pel_now_ns();
+        g_ptr_array_add(rtsp->places, visit);
+        atomic_store(&visit->known, true);
+    }
+    pthread_mutex_unlock(&rtsp->lock);
+    if (share) {
+        atomic_fetch_add(&rtsp->crowded, 1);
+    }
+    return !share;
+}
+
+void pel_rtsp_revoke(struct pel_rtsp *rtsp)
+{
+    pthread_mutex_lock(&rtsp->lock);
+    for (guint i = rtsp->places->len; i-- > 0;) {
+        struct visit *each = g_ptr_array_index(rtsp->places, i);
+        if (!pel_token_holds(rtsp->token, &each->who)) {
+            end_visit(rtsp, each);
+        }
+    }
+    pthread_mutex_unlock(&rtsp->lock);
+}
+
 /* --- the server ---------------------------------------------------------- */
 
 static void on_connected(GstRTSPServer *server, GstRTSPClient *client,
                          gpointer user)
 {
     (void)server;
+    struct pel_rtsp *rtsp = user;
     struct visit *visit = g_new0(struct visit, 1);
     atomic_init(&visit->since_ns, pel_now_ns());
+    visit->socket = g_object_ref(gst_rtsp_connection_get_read_socket(
+        gst_rtsp_client_get_connection(client)));
     visit->sessions = g_ptr_array_new_with_free_func(g_object_unref);
     g_object_set_data_full(G_OBJECT(client), VISIT_KEY, visit, free_visit);
     g_signal_connect(client, "pre-describe-request", G_CALLBACK(on_asked),
                      NULL);
-    g_signal_connect(client, "pre-setup-request", G_CALLBACK(on_asked), NULL);
+    g_signal_connect(client, "pre-setup-request", G_CALLBACK(on_setup), NULL);
     g_signal_connect(client, "new-session", G_CALLBACK(on_session), NULL);
     g_signal_connect(client, "play-request", G_CALLBACK(on_play), NULL);
     g_signal_connect(client, "closed", G_CALLBACK(on_closed), user);
+    if (!rtsp->token) {
+        const struct pel_who all = { PEL_RANK_INSTRUCT, 0 };
+        (void)admit(rtsp, client, &all); /* pel_rtsp_accept counted them */
+    }
 }
 
 static void mount(struct pel_rtsp *rtsp, GstRTSPMountPoints *points,
@@ -254,6 +383,7 @@ void pel_rtsp_changed(struct pel_rtsp *rtsp)
 
 struct loiterers {
     int64_t now_ns, patience_ns;
+    bool stranger;         /* only those that are not known */
     GstRTSPClient *oldest; /* of those beyond patience; a reference */
     int64_t oldest_ns;
 };
@@ -269,7 +399,10 @@ static GstRTSPFilterResult find_loiterer(GstRTSPServer *server,
         return GST_RTSP_FILTER_KEEP;
     }
     GList *sessions = gst_rtsp_client_session_filter(client, NULL, NULL);
-    if (!sessions) {
+    bool wanted = found->stranger
+                      ? !atomic_load(&visit_of(client)->known)
+                      : !sessions || !atomic_load(&visit_of(client)->played);
+    if (wanted) {
         g_clear_object(&found->oldest);
         found->oldest = g_object_ref(client);
         found->oldest_ns = since_ns;
@@ -289,10 +422,12 @@ static void send_away(GstRTSPClient *client)
     }
 }
 
-/* Closes the one that has been idle for longest; false: there is none. */
-static bool close_loiterer(struct pel_rtsp *rtsp, int64_t patience_ns)
+/* Closes the one that has been idle for longest, of all or of those who have
+ * not said who they are; false: there is none. */
+static bool close_loiterer(struct pel_rtsp *rtsp, int64_t patience_ns,
+                           bool stranger)
 {
-    struct loiterers found = { pel_now_ns(), patience_ns, NULL, 0 };
+    struct loiterers found = { pel_now_ns(), patience_ns, stranger, NULL, 0 };
     gst_rtsp_server_client_filter(rtsp->server, find_loiterer, &found);
     if (!found.oldest) {
         return false;
@@ -308,7 +443,8 @@ static gboolean clean(gpointer user)
 {
     PEL_WATCH("rtsp");
     struct pel_rtsp *rtsp = user;
-    for (int i = 0; i < MAX_CLIENTS && close_loiterer(rtsp, LOITER_NS); i++) {
+    for (int i = 0; i < MOST_CLIENTS && close_loiterer(rtsp, LOITER_NS, false);
+         i++) {
     }
     GstRTSPSessionPool *pool = gst_rtsp_server_get_session_pool(rtsp->server);
     gst_rtsp_session_pool_cleanup(pool);
@@ -327,7 +463,7 @@ static void start_server(struct pel_rtsp *rtsp)
     gst_rtsp_thread_pool_set_max_threads(threads, THREADS);
     g_object_unref(threads);
     if (rtsp->token) {
-        GstRTSPAuth *auth = pel_rtsp_auth_new(rtsp->token);
+        GstRTSPAuth *auth = pel_rtsp_auth_new(rtsp->token, admit, rtsp);
         gst_rtsp_server_set_auth(rtsp->server, auth);
         g_object_unref(auth);
     }
@@ -400,6 +536,36 @@ static void *start(void *user)
     return NULL;
 }
 
+/* The first makes room for the last. */
+static void wait_for_start(struct pel_rtsp *rtsp, const struct waiting *client)
+{
+    if (rtsp->waiting_count == MAX_WAITING) {
+        close(rtsp->waiting[0].fd);
+        rtsp->refused++;
+        rtsp->waiting_count--;
+        memmove(rtsp->waiting, rtsp->waiting + 1,
+                rtsp->waiting_count * sizeof *rtsp->waiting);
+    }
+    rtsp->waiting[rtsp->waiting_count++] = *client;
+}
+
+/* Where a token is asked for a newcomer has one of the strangers' places, which
+ * whoever came first and has not given it yet leaves. */
+static bool has_room(struct pel_rtsp *rtsp)
+{
+    unsigned clients = atomic_load(&rtsp->clients);
+    if (!rtsp->token) {
+        return clients < MAX_CLIENTS || close_loiterer(rtsp, WANTED_NS, false);
+    }
+    pthread_mutex_lock(&rtsp->lock);
+    unsigned known = rtsp->places->len;
+    pthread_mutex_unlock(&rtsp->lock);
+    bool many = clients >= known + MAX_STRANGERS;
+    bool made = many && close_loiterer(rtsp, NEW_NS, true);
+    /* Those that are being closed are counted until their threads have. */
+    return clients < MOST_CLIENTS + MAX_STRANGERS && (!many || made);
+}
+
 static bool accept_client(void *user, int fd, const struct sockaddr *address,
                           socklen_t size)
 {
@@ -421,13 +587,8 @@ static bool accept_client(void *user, int fd, const struct sockaddr *address,
                           ? STATE_STARTING
                           : STATE_ASLEEP;
     }
-    bool made = rtsp->state == STATE_RUNS &&
-                atomic_load(&rtsp->clients) >= MAX_CLIENTS &&
-                close_loiterer(rtsp, WANTED_NS);
-    bool room = rtsp->state == STATE_STARTING
-                    ? rtsp->waiting_count < MAX_WAITING
-                    : rtsp->state == STATE_RUNS &&
-                          (made || atomic_load(&rtsp->clients) < MAX_CLIENTS);
+    bool room = rtsp->state == STATE_STARTING ||
+                (rtsp->state == STATE_RUNS && has_room(rtsp));
     if (!room) {
         rtsp->refused++;
         return false;
@@ -441,7 +602,7 @@ static bool accept_client(void *user, int fd, const struct sockaddr *address,
     }
     rtsp->accepted++;
     if (rtsp->state == STATE_STARTING) {
-        rtsp->waiting[rtsp->waiting_count++] = client;
+        wait_for_start(rtsp, &client);
     } else {
         hand_over(rtsp, &client);
     }
@@ -462,6 +623,8 @@ enum pel_err pel_rtsp_create(const struct pel_rtsp_options *options,
         g_free(rtsp);
         return err;
     }
+    pthread_mutex_init(&rtsp->lock, NULL);
+    rtsp->places = g_ptr_array_new();
     rtsp->token = options->token;
     rtsp->tls = options->tls;
     rtsp->scene = scene;
@@ -539,6 +702,8 @@ void pel_rtsp_destroy(struct pel_rtsp *rtsp)
     }
     pel_rtsp_hub_unref(rtsp->hub);
     g_hash_table_destroy(rtsp->mounted);
+    g_ptr_array_free(rtsp->places, TRUE);
+    pthread_mutex_destroy(&rtsp->lock);
     g_free(rtsp);
 }
 
@@ -573,7 +738,7 @@ void pel_rtsp_collect(const struct pel_rtsp *rtsp,
     }
     pel_metric(page, "pelagos_refused_total", PEL_METRIC_COUNTER,
                "Clients turned away at a limit.", "input=\"rtsp\"",
-               (double)rtsp->refused);
+               (double)(rtsp->refused + atomic_load(&rtsp->crowded)));
     pel_metric(page, "pelagos_malformed_total", PEL_METRIC_COUNTER,
                "Messages that could not be read.", "input=\"rtsp\"",
                (double)pel_rtsp_guard_broken());

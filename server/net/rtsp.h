@@ -39,6 +39,9 @@ void pel_rtsp_destroy(struct pel_rtsp *rtsp); /* NULL allowed */
 uint16_t pel_rtsp_port(const struct pel_rtsp *rtsp);
 
 /* The scene's views may have changed. */
+/* Tokens have changed: the clients of those that do not hold end. */
+void pel_rtsp_revoke(struct pel_rtsp *rtsp);
+
 void pel_rtsp_changed(struct pel_rtsp *rtsp);
 
 void pel_rtsp_collect(const struct pel_rtsp *rtsp,

@@ -5,25 +5,31 @@
 struct auth {
     GstRTSPAuth parent;
     struct pel_token *token;
+    pel_rtsp_admit admit;
+    void *user;
 };
 
-static bool is_authorized(const struct auth *self, const GstRTSPContext *at)
+static struct pel_who who_asks(const struct auth *self,
+                               const GstRTSPContext *at)
 {
     char *value = NULL, *second = NULL;
-    return gst_rtsp_message_get_header(at->request, GST_RTSP_HDR_AUTHORIZATION,
-                                       &value, 0) == GST_RTSP_OK &&
-           gst_rtsp_message_get_header(at->request, GST_RTSP_HDR_AUTHORIZATION,
-                                       &second, 1) != GST_RTSP_OK &&
-           pel_token_authorizes(self->token, value) >= PEL_ROLE_WATCH;
+    bool one =
+        gst_rtsp_message_get_header(at->request, GST_RTSP_HDR_AUTHORIZATION,
+                                    &value, 0) == GST_RTSP_OK &&
+        gst_rtsp_message_get_header(at->request, GST_RTSP_HDR_AUTHORIZATION,
+                                    &second, 1) != GST_RTSP_OK;
+    return one ? pel_token_authorizes(self->token, value)
+               : (struct pel_who){ PEL_RANK_NOBODY, 0 };
 }
 
-static void ask(GstRTSPContext *at)
+static void refuse(GstRTSPContext *at, GstRTSPStatusCode status)
 {
     gst_rtsp_message_init_response(
-        at->response, GST_RTSP_STS_UNAUTHORIZED,
-        gst_rtsp_status_as_text(GST_RTSP_STS_UNAUTHORIZED), at->request);
-    gst_rtsp_message_add_header(at->response, GST_RTSP_HDR_WWW_AUTHENTICATE,
-                                "Basic realm=\"pelagos\"");
+        at->response, status, gst_rtsp_status_as_text(status), at->request);
+    if (status == GST_RTSP_STS_UNAUTHORIZED) {
+        gst_rtsp_message_add_header(at->response, GST_RTSP_HDR_WWW_AUTHENTICATE,
+                                    "Basic realm=\"pelagos\"");
+    }
     gst_rtsp_client_send_message(at->client, at->session, at->response);
 }
 
@@ -36,11 +42,15 @@ static gboolean check(GstRTSPAuth *auth, GstRTSPContext *at, const gchar *what)
     if (strcmp(what, GST_RTSP_AUTH_CHECK_TRANSPORT_CLIENT_SETTINGS) == 0) {
         return FALSE; /* pictures go to who asks, not where he says */
     }
-    if (at->method == GST_RTSP_OPTIONS || is_authorized(self, at)) {
+    const struct pel_who who = who_asks(self, at);
+    bool known = who.rank != PEL_RANK_NOBODY;
+    if (at->method == GST_RTSP_OPTIONS ||
+        (known && self->admit(self->user, at->client, &who))) {
         return TRUE;
     }
     if (strcmp(what, GST_RTSP_AUTH_CHECK_URL) == 0) {
-        ask(at);
+        refuse(at, known ? GST_RTSP_STS_SERVICE_UNAVAILABLE
+                         : GST_RTSP_STS_UNAUTHORIZED);
     }
     return FALSE;
 }
@@ -63,9 +73,12 @@ static GType auth_type(void)
     return type;
 }
 
-GstRTSPAuth *pel_rtsp_auth_new(struct pel_token *token)
+GstRTSPAuth *pel_rtsp_auth_new(struct pel_token *token, pel_rtsp_admit admit,
+                               void *user)
 {
     struct auth *self = g_object_new(auth_type(), NULL);
     self->token = token;
+    self->admit = admit;
+    self->user = user;
     return &self->parent;
 }

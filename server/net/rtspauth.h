@@ -7,4 +7,9 @@
 #include "net/token.h"
 
 /* token: borrowed until the last reference is gone. */
-GstRTSPAuth *pel_rtsp_auth_new(struct pel_token *token);
+/* `admit`, on any thread: whether a client that gave a token has a place; if
+ * not it is told 503. */
+typedef bool (*pel_rtsp_admit)(void *user, GstRTSPClient *client,
+                               const struct pel_who *who);
+GstRTSPAuth *pel_rtsp_auth_new(struct pel_token *token, pel_rtsp_admit admit,
+                               void *user);

@@ -16,6 +16,7 @@ struct pel_rtsp_stream {
     atomic_int references; /* the creator's, and each call's under way */
     struct pel_rtsp_hub *hub;
     char view[PEL_NAME_SIZE];
+    struct pel_who who;
     GstAppSrc *source;
     /* Control thread: */
     struct pel_subscription *subscription;
@@ -110,7 +111,8 @@ static gboolean open_stream(gpointer user)
     PEL_WATCH("rtsp");
     struct pel_rtsp_stream *self = user;
     struct pel_rtsp_hub *hub = self->hub;
-    const struct pel_profile profile = { .codec = PEL_CODEC_H264 };
+    const struct pel_profile profile = { .codec = PEL_CODEC_H264,
+                                         .who = self->who };
     if (!hub->frames ||
         pel_frames_open(hub->frames, self->view, &profile, on_frame, self,
                         &self->subscription, NULL) != PEL_OK) {
@@ -164,11 +166,13 @@ void pel_rtsp_hub_close(struct pel_rtsp_hub *hub)
 
 struct pel_rtsp_stream *pel_rtsp_stream_create(struct pel_rtsp_hub *hub,
                                                const char *view,
+                                               const struct pel_who *who,
                                                GstAppSrc *source)
 {
     struct pel_rtsp_stream *stream = g_new0(struct pel_rtsp_stream, 1);
     atomic_init(&stream->references, 1);
     stream->hub = pel_rtsp_hub_ref(hub);
+    stream->who = *who;
     stream->source = gst_object_ref(source);
     snprintf(stream->view, sizeof stream->view, "%s", view);
     on_control(stream, open_stream, 0);

@@ -30,6 +30,7 @@ struct pel_rtsp_stream;
 /* Any thread. Takes a reference to source; begins soon after. */
 struct pel_rtsp_stream *pel_rtsp_stream_create(struct pel_rtsp_hub *hub,
                                                const char *view,
+                                               const struct pel_who *who,
                                                GstAppSrc *source);
 /* Any thread: its client plays from now on. */
 void pel_rtsp_stream_play(struct pel_rtsp_stream *stream);

@@ -17,6 +17,7 @@
 struct pel_series {
     struct pel_scene *scene;
     struct pel_frames *frames;
+    struct pel_claims *claims; /* NULL: nothing is counted */
     struct pel_worker *worker; /* makes the files */
     GPtrArray *jobs;           /* of struct pel_series_job */
     uint64_t questions;
@@ -44,6 +45,7 @@ struct pel_series_job {
 struct asked {
     struct pel_series_job *job;
     size_t cell;
+    struct pel_claim claim;
 };
 
 static void go_on(struct pel_series_job *job);
@@ -137,6 +139,7 @@ static void take(struct asked *asked, enum pel_err err,
     }
     job->under_way--;
     job->answered++;
+    pel_claim_give(&asked->claim);
     g_free(asked);
     if (job->all) {
         soon(job);
@@ -196,6 +199,33 @@ static enum pel_err check_state(struct pel_series_job *job,
                                 "the series was under way: ask again");
 }
 
+static enum pel_err ask_it(struct pel_series_job *job,
+                           ProtobufCMessage *question, struct asked *asked,
+                           struct pel_fault *fault)
+{
+    struct pel_series *all = job->all;
+    bool optics = job->plan.query->question_case ==
+                  PELAGOS__SERIES_QUERY__QUESTION_OPTICS;
+    if (job->plan.query->question_case ==
+        PELAGOS__SERIES_QUERY__QUESTION_SPECTRUM) {
+        return pel_command_spectrum(all->scene,
+                                    (Pelagos__SpectrumQuery *)question,
+                                    on_spectrum, asked, fault);
+    }
+    enum pel_err err = pel_claim_take(
+        all->claims, optics ? PEL_CLAIM_OPTICS : PEL_CLAIM_SURFACES,
+        &job->form.who, 1, &asked->claim, fault);
+    if (err) {
+        return err;
+    }
+    return optics ? pel_command_optics(all->frames,
+                                       (Pelagos__OpticsQuery *)question,
+                                       on_optics, asked, fault)
+                  : pel_command_surface(all->frames,
+                                        (Pelagos__SurfaceQuery *)question, NULL,
+                                        NULL, on_surface, asked, fault);
+}
+
 static enum pel_err ask_one(struct pel_series_job *job, struct pel_fault *fault)
 {
     struct pel_series *all = job->all;
@@ -208,29 +238,15 @@ static enum pel_err ask_one(struct pel_series_job *job, struct pel_fault *fault)
     if (err) {
         return err;
     }
-    struct asked *asked = g_new(struct asked, 1);
-    *asked = (struct asked){ job, cell };
+    struct asked *asked = g_new0(struct asked, 1);
+    *asked = (struct asked){ .job = job, .cell = cell };
     job->asked++;
     job->under_way++;
     all->questions++;
-    switch (job->plan.query->question_case) {
-    case PELAGOS__SERIES_QUERY__QUESTION_OPTICS:
-        err = pel_command_optics(all->frames, (Pelagos__OpticsQuery *)question,
-                                 on_optics, asked, fault);
-        break;
-    case PELAGOS__SERIES_QUERY__QUESTION_SPECTRUM:
-        err =
-            pel_command_spectrum(all->scene, (Pelagos__SpectrumQuery *)question,
-                                 on_spectrum, asked, fault);
-        break;
-    default:
-        err =
-            pel_command_surface(all->frames, (Pelagos__SurfaceQuery *)question,
-                                NULL, NULL, on_surface, asked, fault);
-        break;
-    }
+    err = ask_it(job, question, asked, fault);
     protobuf_c_message_free_unpacked(question, NULL);
     if (err) {
+        pel_claim_give(&asked->claim);
         g_free(asked);
         job->asked--;
         job->under_way--;
@@ -278,11 +294,13 @@ static void go_on(struct pel_series_job *job)
  */
 
 struct pel_series *pel_series_create(struct pel_scene *scene,
-                                     struct pel_frames *frames)
+                                     struct pel_frames *frames,
+                                     struct pel_claims *claims)
 {
     struct pel_series *all = g_new0(struct pel_series, 1);
     all->scene = scene;
     all->frames = frames;
+    all->claims = claims;
     all->worker = pel_worker_create("series");
     all->jobs = g_ptr_array_new();
     return all;
@@ -342,9 +360,19 @@ pel_series_ask(struct pel_series *all, const Pelagos__SeriesQuery *query,
                const struct pel_series_form *form, pel_series_done done,
                void *user, struct pel_series_job **out, struct pel_fault *fault)
 {
-    if (all->jobs->len >= PEL_BOUND_SERIES) {
-        return pel_fault_set(fault, PEL_ERR_BUSY,
-                             "%u series are under way already", all->jobs->len);
+    struct pel_taken taken = { { 0 }, 0 };
+    for (guint i = 0; i < all->jobs->len; i++) {
+        const struct pel_series_job *each = g_ptr_array_index(all->jobs, i);
+        pel_taken_add(&taken, &form->who, &each->form.who, 1);
+    }
+    enum pel_share_answer share =
+        pel_share_ask(PEL_BOUND_SERIES, &taken, &form->who, 1);
+    if (share) {
+        return pel_fault_set(
+            fault, PEL_ERR_BUSY,
+            "%u series are under way already, as many as there "
+            "may be %s",
+            all->jobs->len, pel_share_words(share, form->who.rank));
     }
     struct pel_series_job *job = g_new0(struct pel_series_job, 1);
     enum pel_err err = pel_series_plan_make(query, &job->plan, fault);

@@ -11,14 +11,17 @@
 #include "base/err.h"
 #include "base/metrics.h"
 #include "frames/frames.h"
+#include "net/claims.h"
 #include "pelagos.pb-c.h"
 #include "scene/scene.h"
 
 struct pel_series;     /* those under way */
 struct pel_series_job; /* one of them */
 
+/* claims: where questions are counted; NULL: nowhere. */
 struct pel_series *pel_series_create(struct pel_scene *scene,
-                                     struct pel_frames *frames);
+                                     struct pel_frames *frames,
+                                     struct pel_claims *claims);
 
 void pel_series_collect(const struct pel_series *all,
                         struct pel_metrics_page *page);
@@ -31,6 +34,7 @@ struct pel_series_form {
     bool reply; /* a delimited Reply of the sessions; else a body for HTTP */
     bool has_id;
     uint64_t id;
+    struct pel_who who; /* in whose share it counts, and its questions */
 };
 
 struct pel_series_answer {

@@ -59,6 +59,7 @@ static void session_free(void *data)
 {
     struct session *self = data;
     pel_session_cancel(self);
+    pel_claim_give(&self->unread);
     g_ptr_array_free(self->jobs, TRUE);
     pel_fdsource_destroy(self->source);
     close(self->fd);
@@ -80,11 +81,12 @@ static enum pel_err may(const struct session *self,
     unsigned command = request->command_case;
     const char *name =
         command < PEL_SESSION_COMMANDS ? command_names[command] : NULL;
+    enum pel_role role = pel_role_of_rank(self->who.rank);
     enum pel_err err =
-        pel_role_need(self->role, pel_role_of_command(request->command_case),
+        pel_role_need(role, pel_role_of_command(request->command_case),
                       name ? name : "this command", fault);
     if (!err && request->command_case == PELAGOS__REQUEST__COMMAND_PATCH) {
-        err = pel_role_patch(self->role, request->patch,
+        err = pel_role_patch(role, request->patch,
                              pel_scene_state(self->all->scene), fault);
     }
     return err;
@@ -171,7 +173,92 @@ static void malformed(struct session *self, const char *why)
     self->closing = true;
 }
 
-/* False: the request is no Login, or one with a wrong token. */
+/* Ends at its next turn: it may be in the middle of one. */
+static void end_soon(void *user)
+{
+    struct session *self = user;
+    self->ended = true;
+    pel_fdsource_wake_at(self->source, 0);
+}
+
+static bool is_idle(const struct session *each)
+{
+    return each->jobs->len == 0 && each->out.bytes == 0 && !each->watching;
+}
+
+/* Of those that count against the session the one that has been idle for
+ * longest, if for long enough; or else of the lowest rank below it the one that
+ * has asked nothing for longest. False: there is none. */
+static bool make_room(const struct session *self, enum pel_share_answer share)
+{
+    struct pel_sessions *all = self->all;
+    struct session *idle = NULL, *lower = NULL;
+    for (guint i = 0; i < all->list->len; i++) {
+        struct session *each = g_ptr_array_index(all->list, i);
+        if (each == self || each->transport != self->transport ||
+            each->stranger || each->ended) {
+            continue;
+        }
+        bool counts = share == PEL_SHARE_TOKEN_FULL
+                          ? each->who.token == self->who.token
+                          : each->who.rank >= self->who.rank;
+        if (counts && is_idle(each) &&
+            (!idle || each->active_ns < idle->active_ns)) {
+            idle = each;
+        }
+        if (self->who.rank < PEL_RANK_WATCH &&
+            each->who.rank > self->who.rank &&
+            (!lower || each->who.rank > lower->who.rank ||
+             (each->who.rank == lower->who.rank &&
+              each->active_ns < lower->active_ns))) {
+            lower = each;
+        }
+    }
+    bool old = idle && pel_now_ns() - idle->active_ns >= EVICT_IDLE_NS;
+    struct session *last = old ? idle : lower;
+    if (last) {
+        all->evicted++;
+        end_soon(last);
+    }
+    return last != NULL;
+}
+
+/* Whether the session's share of the places has one more: of those that are
+ * logged in. */
+static bool find_place(struct session *self, struct pel_fault *fault)
+{
+    struct pel_sessions *all = self->all;
+    for (;;) {
+        struct pel_taken taken = { { 0 }, 0 };
+        for (guint i = 0; i < all->list->len; i++) {
+            const struct session *each = g_ptr_array_index(all->list, i);
+            if (each != self && each->transport == self->transport &&
+                !each->stranger && !each->ended) {
+                pel_taken_add(&taken, &self->who, &each->who, 1);
+            }
+        }
+        enum pel_share_answer share =
+            pel_share_ask(all->limits.sessions, &taken, &self->who, 1);
+        if (!share) {
+            return true;
+        }
+        if (!make_room(self, share)) {
+            all->refused[self->transport]++;
+            pel_fault_set(
+                fault, PEL_ERR_BUSY, "all %u sessions %s are taken",
+                (unsigned)(share == PEL_SHARE_TOKEN_FULL
+                               ? pel_share_of_token(all->limits.sessions,
+                                                    self->who.rank)
+                               : pel_share_of_rank(all->limits.sessions,
+                                                   self->who.rank)),
+                pel_share_words(share, self->who.rank));
+            return false;
+        }
+    }
+}
+
+/* False: the request is no Login, or one with a wrong token, or no place is
+ * left for whom it names. */
 static bool admit(struct session *self, const Pelagos__Request *request,
                   struct pel_fault *fault)
 {
@@ -179,8 +266,12 @@ static bool admit(struct session *self, const Pelagos__Request *request,
     bool login = request->command_case == PELAGOS__REQUEST__COMMAND_LOGIN;
     if (login && token && self->transport == PEL_TRANSPORT_TCP) {
         const char *text = request->login->token ? request->login->token : "";
-        self->role = pel_token_role(token, text, strlen(text));
-        self->stranger = self->role == PEL_ROLE_NONE;
+        self->who = pel_token_who(token, text, strlen(text));
+        self->stranger = true;
+        if (self->who.rank != PEL_RANK_NOBODY) {
+            self->stranger = !find_place(self, fault);
+            return !self->stranger;
+        }
     }
     if (!self->stranger) {
         return true;
@@ -403,9 +494,23 @@ static void plan_next(struct session *self)
     pel_fdsource_wake_at(self->source, wake);
 }
 
+/* Whoever takes nothing for longest counts most. */
+static void note_unread(struct session *self)
+{
+    if (self->out.bytes > 0 || self->unread.all) {
+        pel_claim_unread(self->all->claims, &self->who, self->out.bytes,
+                         &self->unread);
+        self->unread.since_ns = self->progress_ns;
+    }
+}
+
 static void session_run(void *user, GIOCondition ready)
 {
     struct session *self = user;
+    if (self->ended) {
+        session_close(self);
+        return;
+    }
     if (self->closing) {
         turn_closing(self, ready);
         return;
@@ -437,6 +542,7 @@ static void session_run(void *user, GIOCondition ready)
         session_close(self);
         return;
     }
+    note_unread(self);
     plan_next(self);
 }
 
@@ -464,6 +570,11 @@ void pel_sessions_series(struct pel_sessions *all, struct pel_series *series)
     all->series = series;
 }
 
+void pel_sessions_claims(struct pel_sessions *all, struct pel_claims *claims)
+{
+    all->claims = claims;
+}
+
 void pel_sessions_exercises(struct pel_sessions *all,
                             struct pel_exercises *exercises)
 {
@@ -486,37 +597,15 @@ void pel_sessions_destroy(struct pel_sessions *all)
 
 /* Of the Unix socket and of TCP apart: neither keeps the other out. */
 static unsigned count_open(const struct pel_sessions *all,
-                           enum pel_transport transport)
+                           enum pel_transport transport, bool strangers)
 {
     unsigned count = 0;
     for (guint i = 0; i < all->list->len; i++) {
         const struct session *each = g_ptr_array_index(all->list, i);
-        count += each->transport == transport;
+        count += each->transport == transport && !each->ended &&
+                 each->stranger == strangers;
     }
     return count;
-}
-
-static bool make_room(struct pel_sessions *all, enum pel_transport transport)
-{
-    struct session *oldest = NULL;
-    for (guint i = 0; i < all->list->len; i++) {
-        struct session *each = g_ptr_array_index(all->list, i);
-        bool idle =
-            each->jobs->len == 0 && each->out.bytes == 0 && !each->watching;
-        bool better = !oldest || each->stranger > oldest->stranger ||
-                      (each->stranger == oldest->stranger &&
-                       each->active_ns < oldest->active_ns);
-        if (idle && better && each->transport == transport) {
-            oldest = each;
-        }
-    }
-    if (!oldest || (!oldest->stranger &&
-                    pel_now_ns() - oldest->active_ns < EVICT_IDLE_NS)) {
-        return false;
-    }
-    all->evicted++;
-    session_close(oldest);
-    return true;
 }
 
 static void tune_tcp(int fd)
@@ -529,19 +618,65 @@ static void tune_tcp(int fd)
     setsockopt(fd, IPPROTO_TCP, TCP_KEEPCNT, &count, sizeof count);
 }
 
+/* The stranger that came first makes room. */
+static bool find_stranger_place(struct pel_sessions *all)
+{
+    struct session *oldest = NULL;
+    if (count_open(all, PEL_TRANSPORT_TCP, true) <
+        PEL_BOUND_SESSION_STRANGERS) {
+        return true;
+    }
+    for (guint i = 0; i < all->list->len; i++) {
+        struct session *each = g_ptr_array_index(all->list, i);
+        bool stranger = each->stranger && !each->ended;
+        if (stranger && (!oldest || each->active_ns < oldest->active_ns)) {
+            oldest = each;
+        }
+    }
+    if (oldest) {
+        all->evicted++;
+        end_soon(oldest);
+    }
+    return oldest != NULL;
+}
+
+bool pel_sessions_starved(struct pel_sessions *all)
+{
+    struct session *found = NULL;
+    for (guint i = 0; i < all->list->len; i++) {
+        struct session *each = g_ptr_array_index(all->list, i);
+        bool spare = each->transport == PEL_TRANSPORT_TCP && !each->ended &&
+                     each->who.rank >= PEL_RANK_WATCH;
+        bool better = !found || each->who.rank > found->who.rank ||
+                      (each->who.rank == found->who.rank &&
+                       each->active_ns < found->active_ns);
+        found = spare && better ? each : found;
+    }
+    if (found) {
+        all->evicted++;
+        end_soon(found);
+    }
+    return found != NULL;
+}
+
 bool pel_sessions_accept(struct pel_sessions *all, int fd,
                          enum pel_transport transport)
 {
     static struct pel_log_limit limit;
-    if (all->stopped || (count_open(all, transport) >= all->limits.sessions &&
-                         !make_room(all, transport))) {
-        all->refused[transport]++;
+    struct session *self = g_new0(struct session, 1);
+    struct pel_fault fault;
+    pel_fault_set(&fault, PEL_ERR_CONFLICT, "the server stops");
+    self->all = all;
+    self->transport = transport;
+    self->stranger = all->token && transport == PEL_TRANSPORT_TCP;
+    bool room = !all->stopped && (self->stranger ? find_stranger_place(all)
+                                                 : find_place(self, &fault));
+    if (!room) {
+        g_free(self);
         pel_log_limited(&limit, PEL_LOG_WARNING, "NET-011",
                         "%s session refused: %u are open",
-                        transport_names[transport], count_open(all, transport));
-        struct pel_fault fault;
-        pel_fault_set(&fault, PEL_ERR_BUSY, "all %u sessions are taken",
-                      all->limits.sessions);
+                        transport_names[transport],
+                        count_open(all, transport, false));
         size_t size = 0;
         uint8_t *data = pel_fault_reply(false, 0, &fault, &size);
         ssize_t sent = send(fd, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -552,14 +687,12 @@ bool pel_sessions_accept(struct pel_sessions *all, int fd,
     if (transport == PEL_TRANSPORT_TCP) {
         tune_tcp(fd);
     }
-    struct session *self = g_new0(struct session, 1);
-    self->all = all;
-    self->transport = transport;
     self->fd = fd;
     self->jobs = g_ptr_array_new();
     self->active_ns = pel_now_ns();
-    self->stranger = all->token && transport == PEL_TRANSPORT_TCP;
-    self->role = self->stranger ? PEL_ROLE_NONE : PEL_ROLE_INSTRUCT;
+    self->who.rank = self->stranger ? PEL_RANK_NOBODY : PEL_RANK_INSTRUCT;
+    self->unread.end = end_soon;
+    self->unread.user = self;
     pel_outbox_init(&self->out);
     self->source = pel_fdsource_create(fd, G_IO_IN, session_run, self);
     if (self->stranger) {
@@ -568,6 +701,16 @@ bool pel_sessions_accept(struct pel_sessions *all, int fd,
     g_ptr_array_add(all->list, self);
     all->accepted[transport]++;
     return true;
+}
+
+void pel_sessions_revoke(struct pel_sessions *all)
+{
+    for (guint i = 0; i < all->list->len; i++) {
+        struct session *each = g_ptr_array_index(all->list, i);
+        if (!pel_token_holds(all->token, &each->who)) {
+            end_soon(each);
+        }
+    }
 }
 
 void pel_sessions_stop(struct pel_sessions *all)

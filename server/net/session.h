@@ -34,6 +34,11 @@ struct pel_sessions *pel_sessions_create(const struct pel_net_limits *limits,
                                          struct pel_frames *frames,
                                          struct pel_debrief *debrief,
                                          struct pel_token *token);
+/* Where what is under way is counted; NULL: nowhere. */
+void pel_sessions_claims(struct pel_sessions *all, struct pel_claims *claims);
+/* Tokens have changed: the sessions of those that do not hold end. */
+void pel_sessions_revoke(struct pel_sessions *all);
+
 /* What makes series of answers. */
 void pel_sessions_series(struct pel_sessions *all, struct pel_series *series);
 /* What answers commands about exercises; NULL: nothing does. */
@@ -47,9 +52,14 @@ void pel_sessions_cluster(struct pel_sessions *all,
 void pel_sessions_destroy(struct pel_sessions *sessions); /* NULL allowed */
 
 /* Takes over a non-blocking socket, or returns false: all places are taken and
- * no session has been idle for long enough to make room. */
+ * no session has been idle for long enough to make room. Where there is a token
+ * places are given at Login, by its role; until then a client has one of those
+ * for strangers. */
 bool pel_sessions_accept(struct pel_sessions *sessions, int fd,
                          enum pel_transport transport);
+
+/* As pel_listener_on_starved wants it: of those over TCP. */
+bool pel_sessions_starved(struct pel_sessions *sessions);
 
 /* No more requests are taken (CONFLICT), for a drain. */
 void pel_sessions_stop(struct pel_sessions *sessions);

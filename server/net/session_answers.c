@@ -28,6 +28,7 @@ void pel_session_cancel(struct session *self)
             if (frames_of(job)) {
                 pel_frames_cancel(frames_of(job), job->picture_id);
             }
+            pel_claim_give(&job->claim);
             g_free(job);
         } else {
             job->session = NULL;
@@ -82,8 +83,10 @@ static void send_message(struct session *self, bool has_id, uint64_t id,
 
 void pel_session_send_state(struct session *self, bool has_id, uint64_t id)
 {
-    send_message(self, has_id, id, PELAGOS__REPLY__RESULT_STATE,
-                 pel_scene_state(self->all->scene));
+    Pelagos__State state;
+    pel_role_seen(pel_role_of_rank(self->who.rank),
+                  pel_scene_state(self->all->scene), &state);
+    send_message(self, has_id, id, PELAGOS__REPLY__RESULT_STATE, &state);
 }
 
 static void send_cluster(struct session *self, bool has_id, uint64_t id)
@@ -101,6 +104,7 @@ void pel_session_cluster(struct session *self, const Pelagos__Request *request)
 /* Takes the job out of its session; false: the session is gone. */
 static bool job_end(struct job *job)
 {
+    pel_claim_give(&job->claim);
     if (!job->session) {
         return false;
     }
@@ -157,6 +161,7 @@ static enum pel_err begun(struct job *job, enum pel_err err)
     if (err) {
         job->session->owes = false;
         g_ptr_array_remove_fast(job->session->jobs, job);
+        pel_claim_give(&job->claim);
         g_free(job);
     }
     return err;
@@ -296,6 +301,34 @@ static struct job *new_job(struct session *self,
     return job;
 }
 
+/* In the share of who asks. */
+static enum pel_err claim(struct job *job, const Pelagos__Request *request,
+                          struct pel_fault *fault)
+{
+    struct session *self = job->session;
+    enum pel_claim_kind kind = PEL_CLAIM_QUESTIONS;
+    uint64_t amount = 1;
+    switch (request->command_case) {
+    case PELAGOS__REQUEST__COMMAND_FRAMES:
+        amount = request->frames->n_frames;
+        kind = PEL_CLAIM_PICTURES;
+        break;
+    case PELAGOS__REQUEST__COMMAND_FRAME:
+        kind = PEL_CLAIM_PICTURES;
+        break;
+    case PELAGOS__REQUEST__COMMAND_SURFACE:
+        kind = PEL_CLAIM_SURFACES;
+        break;
+    case PELAGOS__REQUEST__COMMAND_OPTICS:
+        kind = PEL_CLAIM_OPTICS;
+        break;
+    default:
+        break;
+    }
+    return pel_claim_take(self->all->claims, kind, &self->who, amount,
+                          &job->claim, fault);
+}
+
 enum pel_err pel_session_start(struct session *self,
                                const Pelagos__Request *request,
                                struct pel_fault *fault)
@@ -311,9 +344,11 @@ enum pel_err pel_session_start(struct session *self,
         request->command_case == PELAGOS__REQUEST__COMMAND_FRAME &&
         request->frame->has_debrief && request->frame->debrief;
     g_ptr_array_add(self->jobs, job);
-    enum pel_err err = ask(job, request, fault);
+    enum pel_err err = claim(job, request, fault);
+    err = err ? err : ask(job, request, fault);
     if (err != PEL_OK) {
         g_ptr_array_remove_fast(self->jobs, job);
+        pel_claim_give(&job->claim);
         g_free(job);
     }
     return err;
@@ -427,8 +462,10 @@ enum pel_err pel_session_spectrum(struct session *self,
                                   struct pel_fault *fault)
 {
     struct job *job = owe(self, request);
-    enum pel_err err = pel_command_spectrum(self->all->scene, request->spectrum,
-                                            on_spectrum, job, fault);
+    enum pel_err err = claim(job, request, fault);
+    err = err ? err
+              : pel_command_spectrum(self->all->scene, request->spectrum,
+                                     on_spectrum, job, fault);
     return begun(job, err);
 }
 
@@ -444,8 +481,10 @@ enum pel_err pel_session_models(struct session *self,
                                 struct pel_fault *fault)
 {
     struct job *job = owe(self, request);
-    enum pel_err err = pel_scene_ask_models(
-        self->all->scene, request->models->name, on_models, job, fault);
+    enum pel_err err = claim(job, request, fault);
+    err = err ? err
+              : pel_scene_ask_models(self->all->scene, request->models->name,
+                                     on_models, job, fault);
     return begun(job, err);
 }
 
@@ -479,9 +518,9 @@ enum pel_err pel_session_series(struct session *self,
     if (!job) {
         return PEL_ERR_BUSY;
     }
-    const struct pel_series_form form = { .reply = true,
-                                          .has_id = job->has_id,
-                                          .id = job->id };
+    const struct pel_series_form form = {
+        .reply = true, .has_id = job->has_id, .id = job->id, .who = self->who
+    };
     enum pel_err err = pel_series_ask(self->all->series, request->series, &form,
                                       on_series, job, &job->series, fault);
     if (err) {
@@ -508,8 +547,10 @@ enum pel_err pel_session_almanac(struct session *self,
         return err;
     }
     struct job *job = owe(self, request);
-    err = pel_scene_ask_almanac(self->all->scene, request->almanac, on_almanac,
-                                job, fault);
+    err = claim(job, request, fault);
+    err = err ? err
+              : pel_scene_ask_almanac(self->all->scene, request->almanac,
+                                      on_almanac, job, fault);
     return begun(job, err);
 }
 

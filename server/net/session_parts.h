@@ -8,6 +8,7 @@
 #include <glib.h>
 
 #include "frames/debrief.h"
+#include "net/claims.h"
 #include "net/fdsource.h"
 #include "net/outbox.h"
 #include "net/roles.h"
@@ -31,6 +32,7 @@ struct job {
     bool is_picture; /* or several of one frame */
     bool of_debrief;
     uint64_t picture_id;
+    struct pel_claim claim;
 };
 
 struct session {
@@ -44,8 +46,10 @@ struct session {
     GPtrArray *jobs; /* of struct job */
     bool watching, watch_due, watch_has_id;
     uint64_t watch_id;
-    bool stranger;            /* has not authenticated yet */
-    enum pel_role role;       /* then NONE */
+    bool stranger;      /* has not authenticated yet */
+    struct pel_who who; /* then NOBODY */
+    struct pel_claim unread;
+    bool ended;               /* at its next turn: it has read too little */
     bool owes;                /* an answer that later requests wait for */
     bool nudge;               /* a client waits for the next bytes sent */
     bool eof;                 /* the client sends no more */
@@ -62,6 +66,7 @@ struct pel_sessions {
     struct pel_scene *scene;
     struct pel_frames *frames;
     struct pel_series *series;
+    struct pel_claims *claims;       /* NULL: nothing is counted */
     struct pel_exercises *exercises; /* NULL: none */
     struct pel_cluster *cluster;     /* NULL: none */
     struct pel_debrief *debrief;     /* NULL: none */

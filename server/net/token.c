@@ -21,6 +21,7 @@ struct entry {
     char text[PEL_TOKEN_MAX + 1];
     size_t size;
     enum pel_role role;
+    uint32_t id; /* never that of another text, or of a higher role */
 };
 
 struct entries {
@@ -32,6 +33,7 @@ struct pel_token {
     char *path;
     pthread_mutex_t lock; /* of what follows: RTSP's threads read it */
     struct entries entries;
+    uint32_t last_id;
 };
 
 enum pel_err pel_token_check_file(int fd, const char *path,
@@ -116,6 +118,7 @@ static enum pel_err read_line(const char *path, size_t line, char *text,
     memcpy(entry->text, token, size + 1);
     entry->size = size;
     entry->role = may;
+    entry->id = 0;
     return PEL_OK;
 }
 
@@ -210,12 +213,30 @@ void pel_token_destroy(struct pel_token *token)
     }
 }
 
+/* Those that go on keep their numbers. */
+static void number(struct pel_token *token, struct entries *fresh)
+{
+    for (size_t i = 0; i < fresh->count; i++) {
+        struct entry *entry = &fresh->list[i];
+        for (size_t k = 0; k < token->entries.count; k++) {
+            const struct entry *old = &token->entries.list[k];
+            bool same =
+                old->role <= entry->role && strcmp(old->text, entry->text) == 0;
+            entry->id = same ? old->id : entry->id;
+        }
+        if (entry->id == 0) {
+            entry->id = ++token->last_id;
+        }
+    }
+}
+
 enum pel_err pel_token_reload(struct pel_token *token, struct pel_fault *fault)
 {
     struct entries fresh;
     enum pel_err err = read_tokens(token->path, &fresh, fault);
     if (err == PEL_OK) {
         pthread_mutex_lock(&token->lock);
+        number(token, &fresh);
         token->entries = fresh;
         pthread_mutex_unlock(&token->lock);
     }
@@ -236,36 +257,50 @@ static bool is_entry(const struct entry *entry, const char *text, size_t size)
     return different == 0;
 }
 
-enum pel_role pel_token_role(struct pel_token *token, const char *text,
+struct pel_who pel_token_who(struct pel_token *token, const char *text,
                              size_t size)
 {
-    enum pel_role role = PEL_ROLE_NONE;
+    struct pel_who who = { PEL_RANK_NOBODY, 0 };
     pthread_mutex_lock(&token->lock);
     for (size_t i = 0; i < token->entries.count; i++) {
         const struct entry *entry = &token->entries.list[i];
-        role = is_entry(entry, text, size) ? entry->role : role;
+        if (is_entry(entry, text, size)) {
+            who = (struct pel_who){ pel_rank_of_role(entry->role), entry->id };
+        }
     }
     pthread_mutex_unlock(&token->lock);
-    return role;
+    return who;
 }
 
-enum pel_role pel_token_authorizes(struct pel_token *token, const char *value)
+bool pel_token_holds(struct pel_token *token, const struct pel_who *who)
 {
+    bool holds = who->token == 0;
+    pthread_mutex_lock(&token->lock);
+    for (size_t i = 0; i < token->entries.count; i++) {
+        holds = holds || token->entries.list[i].id == who->token;
+    }
+    pthread_mutex_unlock(&token->lock);
+    return holds;
+}
+
+struct pel_who pel_token_authorizes(struct pel_token *token, const char *value)
+{
+    struct pel_who who = { PEL_RANK_NOBODY, 0 };
     if (strncasecmp(value, "Bearer ", 7) == 0) {
         value += 7;
         value += strspn(value, " ");
-        return pel_token_role(token, value, strlen(value));
+        return pel_token_who(token, value, strlen(value));
     }
     if (strncasecmp(value, "Basic ", 6) != 0 || strlen(value) > 1024) {
-        return PEL_ROLE_NONE;
+        return who;
     }
     gsize size = 0;
     guchar *pair = g_base64_decode(value + 6, &size);
     const guchar *colon = size > 0 ? memchr(pair, ':', size) : NULL;
-    enum pel_role role = colon
-                             ? pel_token_role(token, (const char *)colon + 1,
-                                              size - (size_t)(colon + 1 - pair))
-                             : PEL_ROLE_NONE;
+    if (colon) {
+        who = pel_token_who(token, (const char *)colon + 1,
+                            size - (size_t)(colon + 1 - pair));
+    }
     g_free(pair);
-    return role;
+    return who;
 }

@@ -7,6 +7,7 @@
 #include <stddef.h>
 
 #include "base/err.h"
+#include "base/share.h"
 #include "net/roles.h"
 
 /* 16 to 128 of A-Z a-z 0-9 - . _ ~ +, what every protocol here carries as it
@@ -33,14 +34,18 @@ void pel_token_destroy(struct pel_token *token); /* NULL allowed */
 PEL_CHECK enum pel_err pel_token_reload(struct pel_token *token,
                                         struct pel_fault *fault);
 
-/* The role of the token that these bytes are, NONE: they are none, in a time
- * that does not depend on where they differ. */
-enum pel_role pel_token_role(struct pel_token *token, const char *text,
+/* Whose token these bytes are, NOBODY: they are none, in a time that does not
+ * depend on where they differ. */
+struct pel_who pel_token_who(struct pel_token *token, const char *text,
                              size_t size);
 
 /* The same for the value of an Authorization header: `Bearer TOKEN`, or
  * `Basic …` with the token as password and any user (RFC 6750, 7617). */
-enum pel_role pel_token_authorizes(struct pel_token *token, const char *value);
+struct pel_who pel_token_authorizes(struct pel_token *token, const char *value);
+
+/* False: the file has that token no more, or with a lower role. True of who has
+ * none. */
+bool pel_token_holds(struct pel_token *token, const struct pel_who *who);
 
 /* The permissions that pel_token_create asks for, of an open file. */
 PEL_CHECK enum pel_err pel_token_check_file(int fd, const char *path,

@@ -259,23 +259,58 @@ static gboolean sweep(gpointer user)
     return whep->sweeper != 0;
 }
 
-/* The one that has not connected for longest goes; false: there is none. */
-static bool make_room(struct pel_whep *whep)
+/* Of those that count against `who` the one that has not connected for longest
+ * goes, or else the oldest of the lowest rank below; false: there is none. */
+static bool make_room(struct pel_whep *whep, const struct pel_who *who,
+                      enum pel_share_answer share)
 {
-    struct session *oldest = NULL;
+    struct session *oldest = NULL, *lower = NULL;
     int64_t latest_ns = pel_now_ns() - WANTED_NS;
     for (guint i = 0; i < whep->sessions->len; i++) {
         struct session *s = g_ptr_array_index(whep->sessions, i);
-        if (s->answered && !s->connected && s->since_ns < latest_ns) {
+        const struct pel_who *its = &s->profile.who;
+        bool counts = share == PEL_SHARE_TOKEN_FULL ? its->token == who->token
+                                                    : its->rank >= who->rank;
+        if (counts && s->answered && !s->connected && s->since_ns < latest_ns) {
             oldest = s;
             latest_ns = s->since_ns;
         }
+        if (who->rank < PEL_RANK_WATCH && its->rank > who->rank &&
+            (!lower || its->rank > lower->profile.who.rank)) {
+            lower = s;
+        }
     }
+    oldest = oldest ? oldest : lower;
     if (oldest) {
         whep->timeouts++;
         end_session(oldest, PEL_ERR_BUSY, "others want its place");
     }
     return oldest != NULL;
+}
+
+static enum pel_err find_place(struct pel_whep *whep, const struct pel_who *who,
+                               struct pel_fault *fault)
+{
+    for (;;) {
+        struct pel_taken taken = { { 0 }, 0 };
+        for (guint i = 0; i < whep->sessions->len; i++) {
+            const struct session *s = g_ptr_array_index(whep->sessions, i);
+            pel_taken_add(&taken, who, &s->profile.who, 1);
+        }
+        enum pel_share_answer share =
+            pel_share_ask(PEL_BOUND_WHEP_SESSIONS, &taken, who, 1);
+        if (!share) {
+            return PEL_OK;
+        }
+        if (!make_room(whep, who, share)) {
+            whep->refused++;
+            return pel_fault_set(
+                fault, PEL_ERR_BUSY,
+                "%u WebRTC sessions are open, as many as there "
+                "may be %s; end one, or ask again later",
+                whep->sessions->len, pel_share_words(share, who->rank));
+        }
+    }
 }
 
 static bool name_session(struct session *s)
@@ -314,13 +349,8 @@ enum pel_err pel_whep_ask(struct pel_whep *whep,
     enum pel_err err =
         pel_whep_offer_read(wish->offer, wish->offer_size, &s->offer, fault);
     whep->malformed += err != PEL_OK;
-    if (err == PEL_OK && whep->sessions->len >= PEL_BOUND_WHEP_SESSIONS &&
-        !make_room(whep)) {
-        whep->refused++;
-        err = pel_fault_set(fault, PEL_ERR_BUSY,
-                            "%d WebRTC sessions are open, as many as there may "
-                            "be; end one, or ask again later",
-                            PEL_BOUND_WHEP_SESSIONS);
+    if (err == PEL_OK) {
+        err = find_place(whep, &wish->profile.who, fault);
     }
     if (err == PEL_OK && !name_session(s)) {
         err = pel_fault_set(fault, PEL_ERR_INTERNAL, "no random numbers");
@@ -350,6 +380,16 @@ bool pel_whep_forget(struct pel_whep *whep, const void *user)
         }
     }
     return false;
+}
+
+void pel_whep_revoke(struct pel_whep *whep, struct pel_token *token)
+{
+    for (guint i = whep->sessions->len; i-- > 0;) {
+        struct session *s = g_ptr_array_index(whep->sessions, i);
+        if (!pel_token_holds(token, &s->profile.who)) {
+            end_session(s, PEL_ERR_FORBIDDEN, "its token was taken back");
+        }
+    }
 }
 
 bool pel_whep_end(struct pel_whep *whep, const char *id)

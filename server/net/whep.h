@@ -12,6 +12,7 @@
 #include "base/metrics.h"
 #include "bounds.h"
 #include "frames/frames.h"
+#include "net/token.h"
 #include "net/wheppeer.h"
 
 #define PEL_WHEP_TYPE "application/sdp"
@@ -40,9 +41,10 @@ typedef void (*pel_whep_done)(void *user, enum pel_err err,
                               const char *id);
 
 /* Errors as pel_whep_offer_read, and then `done` is not called; later also
- * those of pel_whep_peer_open. BUSY: PEL_BOUND_WHEP_SESSIONS are connected or
- * have asked just now; else the one that has not connected for longest makes
- * room. */
+ * those of pel_whep_peer_open. BUSY: the share of the profile's `who` in
+ * PEL_BOUND_WHEP_SESSIONS is connected or has asked just now; else the one that
+ * has not connected for longest makes room, and for who steers or instructs one
+ * of a lower role. */
 PEL_CHECK enum pel_err pel_whep_ask(struct pel_whep *whep,
                                     const struct pel_whep_wish *wish,
                                     pel_whep_done done, void *user,
@@ -51,6 +53,9 @@ PEL_CHECK enum pel_err pel_whep_ask(struct pel_whep *whep,
 /* Nobody waits any more for the answer that was asked with this user: `done` is
  * not called, the session ends. False: it was called, or none was asked. */
 bool pel_whep_forget(struct pel_whep *whep, const void *user);
+
+/* Ends those whose token does not hold any more. */
+void pel_whep_revoke(struct pel_whep *whep, struct pel_token *token);
 
 /* False: there is no such session. */
 bool pel_whep_end(struct pel_whep *whep, const char *id);

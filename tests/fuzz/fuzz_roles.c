@@ -33,7 +33,7 @@ static struct pel_token *tokens_of(const void *text, size_t size)
         demand(out == NULL && fault.message[0] != '\0');
     } else {
         /* Neither nothing nor all of the file is a token, if it has a role. */
-        demand(pel_token_role(out, "", 0) == PEL_ROLE_NONE);
+        demand(pel_token_who(out, "", 0).rank == PEL_RANK_NOBODY);
         demand(!pel_token_reload(out, &fault));
     }
     unlink(path);
@@ -47,7 +47,8 @@ static void authorize(const char *value)
         known = tokens_of(token, strlen(token));
         demand(known != NULL);
     }
-    enum pel_role role = pel_token_authorizes(known, value);
+    enum pel_role role =
+        pel_role_of_rank(pel_token_authorizes(known, value).rank);
     demand(role == PEL_ROLE_NONE || role == PEL_ROLE_INSTRUCT);
     if (strncasecmp(value, "Bearer ", 7) == 0) {
         demand(role == PEL_ROLE_NONE || strstr(value, token));

@@ -1,0 +1,208 @@
+#!/usr/bin/python3
+"""Shares by role and by token: whatever one `watch` token takes, an instructor
+edits, logs in, watches and asks for /healthz, each time, and another token that
+watches gets in; a client that has gone leaves its place at once; a token that
+is taken back ends what was begun with it. The attacks are those of
+tests/soak/attacks.py, which measures how long the instructor waits."""
+import multiprocessing
+import os
+import signal
+import socket
+import sys
+import tempfile
+import unittest
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "soak"))
+import attacks
+from attacks import TOKENS, head
+from live_client import Closed, Live
+from pelagos_daemon import Daemon, Session, free_port, schema, until
+
+OTHER = "other-watch-token-0123456789"
+ROUNDS = 5
+VIEW = {"entity": 1, "width": 64, "height": 36}
+
+
+def bearer(token):
+    return {"Authorization": "Bearer " + token}
+
+
+class Case(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.rtsp_port = free_port()
+        cls.write({**{t: r for r, t in TOKENS.items()}, OTHER: "watch"})
+        cls.daemon = Daemon("--token-file", cls.tokens, "--rtsp",
+                            f"127.0.0.1:{cls.rtsp_port}")
+        cls.daemon.token = TOKENS["instruct"]
+        assert cls.daemon.patch({
+            "views": {"bridge": VIEW, "wing": VIEW},
+            "sea": {"synthesiser": "TROCHOIDS"}}).status == 200
+        assert cls.daemon.get("/v1/views/wing/frame.jpg").status == 200
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.daemon.stop()
+        cls.folder.cleanup()
+
+    @classmethod
+    def write(cls, tokens):
+        cls.tokens = os.path.join(cls.folder.name, "tokens")
+        with open(cls.tokens, "w", encoding="ascii") as f:
+            f.writelines(f"{t} {r}\n" for t, r in tokens.items())
+        os.chmod(cls.tokens, 0o600)
+
+    def metric(self, name):
+        return self.daemon.metrics().get(name, 0)
+
+    def session(self, token):
+        session = Session(self.daemon.connect_tcp())
+        self.addCleanup(session.close)
+        reply = session.ask(login={"token": token})
+        self.assertTrue(reply.HasField("state"), reply)
+        return session
+
+    def stream(self, token, view="wing", query="quality=90"):
+        s = self.daemon.connect_http()
+        self.addCleanup(s.close)
+        s.sendall(head("GET", f"/v1/views/{view}/mjpeg?{query}").replace(
+            TOKENS["watch"].encode(), token.encode()))
+        return s
+
+
+class Attacks(Case):
+    def begin(self, make):
+        attacker = multiprocessing.Process(target=attacks.attack, args=(
+            make, {"http": self.daemon.http_port, "tcp": self.daemon.tcp_port,
+                   "rtsp": self.rtsp_port}), daemon=True)
+        attacker.start()
+
+        def end():
+            attacker.kill()
+            attacker.join()
+        self.addCleanup(end)
+
+    def attacked(self, make, metric, least):
+        """The instructor is served each time from when the attack has taken so
+        many places; so is another who watches."""
+        before = self.metric(metric) if metric.endswith("_total") else 0
+        self.begin(make)
+        until(f"{metric} is {least}",
+              lambda: self.metric(metric) - before >= least)
+        one = attacks.Instructor(self.daemon, self.rtsp_port)
+        for _ in range(ROUNDS):
+            for what in attacks.WAITS:
+                one.waits[what].append(getattr(one, what)())
+        self.session(OTHER)
+        with self.stream(OTHER) as s:
+            self.assertIn(b" 200 ", s.recv(4096))
+        print(", ".join(f"{what} {attacks.p99(waits):.1f} ms"
+                        for what, waits in one.waits.items()), flush=True)
+
+    def test_hls_reloads(self):
+        self.daemon.patch({"clock": {"mode": "STEPPED"}})
+        self.addCleanup(self.daemon.patch, {"clock": {"mode": "REALTIME"}})
+        self.attacked(attacks.hls_reloads, "pelagos_hls_waiting", 64)
+
+    def test_hls_left(self):
+        self.attacked(attacks.hls_left, "pelagos_http_vanished_total", 64)
+
+    def test_mjpeg(self):
+        self.attacked(attacks.mjpeg, "pelagos_mjpeg_viewers", 36)
+
+    def test_sessions(self):
+        self.attacked(attacks.sessions, 'pelagos_sessions{input="tcp"}', 36)
+
+    def test_rtsp(self):
+        self.attacked(attacks.rtsp, "pelagos_rtsp_streams", 30)
+
+    def test_idle(self):
+        self.attacked(attacks.idle, "pelagos_http_connections", 100)
+
+
+class Gone(Case):
+    def test_hls_of_who_has_left(self):
+        """Streams of which nobody has a playlist end with who asked for them,
+        long before those that are idle."""
+        def ask(width):
+            s = self.daemon.connect_http()
+            s.sendall(head("GET", "/v1/views/bridge/hls.m3u8?height=64&"
+                           f"width={width}"))
+            return s
+        with ask(64) as s:
+            self.assertIn(b" 200 ", s.recv(4096))
+        self.daemon.patch({"clock": {"mode": "STEPPED"}})
+        self.addCleanup(self.daemon.patch, {"clock": {"mode": "REALTIME"}})
+        left = [ask(80 + 16 * i) for i in range(20)]
+        until("they wait", lambda: self.metric("pelagos_hls_waiting") == 20)
+        for s in left:
+            s.close()
+        with self.session(TOKENS["instruct"]):
+            self.assertEqual(until("they are gone", lambda: (
+                self.metric("pelagos_hls_waiting") == 0 and
+                self.metric("pelagos_hls_streams"))), 1)
+
+
+class Revoked(Case):
+    def test_what_a_lost_token_began_ends(self):
+        watch, kept = TOKENS["watch"], OTHER
+        ends = [self.stream(watch), self.session(watch).socket,
+                self.stream(TOKENS["steer"])]
+        goes_on = [self.stream(kept), self.session(kept)]
+        lives = [Live(self.daemon, "wing", "?codec=jpeg", bearer(t))
+                 for t in (watch, kept)]
+        for live in lives:
+            live.ack(live.picture()[0])
+        rtsp = socket.create_connection(("127.0.0.1", self.rtsp_port), 60)
+        self.addCleanup(rtsp.close)
+        ends.append(rtsp)
+        rtsp.sendall(f"DESCRIBE rtsp://127.0.0.1:{self.rtsp_port}/wing "
+                     "RTSP/1.0\r\nCSeq: 1\r\nAuthorization: Bearer "
+                     f"{watch}\r\n\r\n".encode())
+        self.assertIn(b" 200 ", rtsp.recv(4096))
+        # One is gone, one may do less.
+        self.write({kept: "watch", TOKENS["instruct"]: "instruct",
+                    TOKENS["steer"]: "watch"})
+        self.daemon.process.send_signal(signal.SIGHUP)
+        for s in ends:
+            s.settimeout(60)
+            try:
+                while s.recv(1 << 16):
+                    pass
+            except ConnectionResetError:
+                pass
+        with self.assertRaises((Closed, OSError)):
+            while True:
+                lives[0].ack(lives[0].picture()[0])
+        for _ in range(3):
+            lives[1].ack(lives[1].picture()[0])
+        self.assertTrue(goes_on[0].recv(4096))
+        self.assertTrue(goes_on[1].ask(get={}).HasField("state"))
+
+
+class Unread(Case):
+    def test_slow_readers_of_health(self):
+        """Who asks for /healthz and reads nothing keeps nobody from it."""
+        for _ in range(150):
+            s = socket.socket()
+            self.addCleanup(s.close)
+            s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+            s.connect(("127.0.0.1", self.daemon.http_port))
+            s.setblocking(False)
+            try:
+                for _ in range(400):
+                    s.send(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+                           * 50)
+            except OSError:
+                pass
+        for _ in range(20):
+            self.assertEqual(self.daemon.get(
+                "/healthz", headers={"Authorization": ""}).status, 200)
+            self.assertEqual(self.daemon.patch({
+                "sea": {"windSpeed": 9}}).status, 200)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
