@@ -65,6 +65,9 @@ def forms(schema):
              "role": {"enum": ["watch", "steer", "instruct"]},
              "quality": {"type": "number", "minimum": 0, "maximum": 1}},
             ("status",)),
+        "Ready": form(
+            {"status": {"enum": ["ready", "starting", "joining", "stuck",
+                                 "stopping"]}}, ("status",)),
         "Session": form({"role": {"enum": ["watch", "steer", "instruct"]},
                          "routes": words, "fields": words},
                         ("role", "routes", "fields")),
@@ -346,9 +349,9 @@ class Document:
         if path.startswith("v1/clock"):
             codes.add("409")
         out = {code: refer("Problem", "responses") for code in codes}
-        if answer == "Health":
-            out["503"] = {"description": "it is not well", "content": {
-                "application/json": {"schema": refer("Health")}}}
+        if answer in ("Health", "Ready"):
+            out["503"] = {"description": "it is not so", "content": {
+                "application/json": {"schema": refer(answer)}}}
         if answer == "ClusterPlace":
             out["503"] = {"description": "another node draws it", "content": {
                 "application/json": {"schema": refer(answer)}}}

@@ -303,6 +303,8 @@ static enum pel_err start_nmea(struct daemon *d, struct pel_fault *fault)
     options.entity = (uint32_t)d->options.nmea_entity;
     options.wind = winds[d->options.nmea_wind];
     options.ais = d->options.nmea_ais;
+    options.targets = d->options.nmea_targets;
+    options.no_checksum = d->options.nmea_checksum == 1;
     options.metrics = d->metrics;
     if (!*d->options.nmea && !*d->options.nmea_tcp) {
         return PEL_OK;
@@ -394,6 +396,7 @@ static enum pel_err start_modbus(struct daemon *d, struct pel_fault *fault)
     struct pel_modbus_options options = pel_modbus_default_options();
     options.listen = d->options.modbus;
     options.allow = or_null(d->options.modbus_allow);
+    options.rtu = d->options.modbus_framing == 1;
     options.order = orders[d->options.modbus_order];
     options.units = d->options.modbus_units;
     options.safe = d->options.modbus_safe;
@@ -532,6 +535,7 @@ static void ready(void *user)
     struct daemon *d = user;
     if (!d->stopping) {
         d->service = pel_service_ready(d->frames);
+        pel_net_ready(d->net);
     }
 }
 

@@ -37,7 +37,7 @@ struct pel_options {
     char tls_cert[PEL_OPTION_TEXT], tls_key[PEL_OPTION_TEXT];
     bool plain;
     char modbus[PEL_OPTION_TEXT], modbus_allow[PEL_OPTION_TEXT];
-    int modbus_order, modbus_clients;
+    int modbus_order, modbus_clients, modbus_framing;
     char modbus_units[PEL_OPTION_TEXT], modbus_safe[PEL_OPTION_TEXT];
     int modbus_heartbeat_ms, modbus_extrapolate_ms;
     char console[PEL_OPTION_TEXT], console_table[PEL_OPTION_TEXT];
@@ -45,7 +45,7 @@ struct pel_options {
     double console_rate;
     char nmea[PEL_OPTION_TEXT], nmea_allow[PEL_OPTION_TEXT];
     char nmea_tcp[PEL_OPTION_TEXT];
-    int nmea_entity, nmea_wind;
+    int nmea_entity, nmea_wind, nmea_checksum, nmea_targets;
     char nmea_out[PEL_OPTION_TEXT];
     double nmea_out_rate;
     int nmea_out_targets;

@@ -7,8 +7,10 @@
 
 #define FIELD(name) offsetof(struct pel_options, name)
 
+static const char *const framing_words[] = { "tcp", "rtu", NULL };
 static const char *const order_words[] = { "abcd", "cdab", "badc", "dcba",
                                            NULL };
+static const char *const checksum_words[] = { "required", "optional", NULL };
 static const char *const wind_words[] = { "off", "given", "mean", NULL };
 static const char *const traffic_words[] = { "off", "ttm", "ais", "both",
                                              NULL };
@@ -177,6 +179,10 @@ const struct pel_option pel_option_table[] = {
       .element = pel_options_network, .offset = FIELD(modbus_allow),
       .help = "Addresses or networks, separated by commas, that may use "
               "Modbus; empty is this machine only." },
+    { "modbus-framing", "bridges", PEL_OPTION_CHOICE, "FRAMING", "tcp",
+      .choices = framing_words, .offset = FIELD(modbus_framing),
+      .help = "How requests come over TCP: as Modbus/TCP, or as RTU with its "
+              "CRC, as serial servers pass it on." },
     { "modbus-order", "bridges", PEL_OPTION_CHOICE, "ORDER", "abcd",
       .choices = order_words, .offset = FIELD(modbus_order),
       .help = "Order of the bytes of 32-bit values." },
@@ -229,6 +235,10 @@ const struct pel_option pel_option_table[] = {
       .element = pel_options_network, .offset = FIELD(nmea_allow),
       .help = "Addresses or networks, separated by commas, that may send "
               "NMEA; empty is this machine only." },
+    { "nmea-checksum", "bridges", PEL_OPTION_CHOICE, "WHETHER", "required",
+      .choices = checksum_words, .offset = FIELD(nmea_checksum),
+      .help = "Whether a sentence must have its checksum; optional takes one "
+              "that has none. A wrong one is dropped always." },
     { "nmea-entity", "bridges", PEL_OPTION_INT, "ID", "1", 0, 65535, "",
       .offset = FIELD(nmea_entity),
       .help = "Entity that NMEA sentences move." },
@@ -250,6 +260,10 @@ const struct pel_option pel_option_table[] = {
     { "nmea-ais", "bridges", PEL_OPTION_FLAG, "", "no",
       .offset = FIELD(nmea_ais),
       .help = "Shows AIS and radar targets as entities 20000 and up." },
+    { "nmea-targets", "bridges", PEL_OPTION_INT, "COUNT", "100", 100, 2000,
+      "targets", .offset = FIELD(nmea_targets),
+      .help = "AIS targets that are kept; 100 of them, the nearest to own "
+              "ship, are entities, as far as the state has room." },
     { "cigi", "bridges", PEL_OPTION_ADDRESS, "ADDRESS:PORT|off", "off",
       .offset = FIELD(cigi),
       .help = "UDP port that takes CIGI 3.3 of a simulator host; customary is "

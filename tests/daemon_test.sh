@@ -184,6 +184,13 @@ check 'each line of the log has its time' test -z "$(grep -vE \
     "$work/log")"
 check '--check while a daemon has the state says so' good_check \
     'a daemon keeps its state' --state "$state" --http "${url#http://}"
+check 'readyz once the first picture is drawn' grep -q '"ready"' \
+    <(curl -sf "$url/readyz")
+started=$(curl -sf "$url/metrics" |
+    sed -n 's/^process_start_time_seconds //p')
+check 'metrics say when the process began' test \
+    "$(stat -c %Y "/proc/$pid")" -ge "$((${started%.*} - 2))" -a \
+    "${started%.*}" -ge "$(($(date +%s) - 600))"
 check 'metrics count frames' grep -q '^pelagos_frames_drawn_total' \
     <(curl -sf "$url/metrics")
 curl -sf -o /dev/null -X PATCH -H 'Content-Type: application/json' -d \
@@ -209,6 +216,16 @@ for format in png jpg exr; do
     check "the same $format after the restart" \
         cmp "$work/before.$format" "$work/after.$format"
 done
+
+# --- readiness --------------------------------------------------------------------
+stop TERM
+start --exercise http://localhost:1/nobody --exercise-node alone
+joining=$(curl -s -w ' %{http_code}' "$url/readyz")
+[[ $joining == '{"status":"joining"}'*' 503' ]] || fail "readyz: $joining"
+ok 'a node that takes no part yet is well, but not ready'
+check 'and well' curl -sf -o /dev/null "$url/healthz"
+stop KILL
+start --state "$state"
 
 # --- forms of the log -----------------------------------------------------------
 stop TERM

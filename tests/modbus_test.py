@@ -16,7 +16,9 @@ import time
 
 from pymodbus.client import ModbusTcpClient
 from pymodbus.constants import Endian
+from pymodbus.mei_message import ReadDeviceInformationRequest
 from pymodbus.payload import BinaryPayloadBuilder, BinaryPayloadDecoder
+from pymodbus.transaction import ModbusRtuFramer
 
 from PIL import Image
 
@@ -516,6 +518,36 @@ def exercises():
         client.close()
 
 
+def identity(client):
+    """Function 43/14, basic and regular."""
+    for code, count in ((1, 3), (2, 7)):
+        said = client.execute(ReadDeviceInformationRequest(code, 0, slave=1))
+        check(not said.isError(), f"{said}")
+        check(len(said.information) == count, f"{said.information}")
+        check(said.information[0] == b"Pelagos", f"{said.information}")
+        with open(os.path.join(ROOT, "VERSION"), encoding="ascii") as f:
+            check(said.information[2].decode() == f.read().strip(),
+                  f"{said.information}")
+
+
+def over_rtu():
+    """RTU over TCP by pymodbus' own framer."""
+    port = free_port()
+    with Daemon("--modbus", f"127.0.0.1:{port}", "--modbus-framing", "rtu",
+                "--state", "off") as daemon:
+        client = ModbusTcpClient("127.0.0.1", port, framer=ModbusRtuFramer,
+                                 timeout=SLOW_S)
+        check(client.connect(), "connect by RTU")
+        check(decoder(client.read_holding_registers(0, 2, slave=1))
+              .decode_32bit_uint() == 0x01020304, "the probe by RTU")
+        check(not client.write_registers(WIND, floats(11.5, 200), slave=1)
+              .isError(), "write wind by RTU")
+        check(not client.write_register(COMMIT, 1, slave=1).isError(), "commit")
+        until("the wind is set by RTU",
+              lambda: daemon.state()["sea"]["windSpeed"] == 11.5)
+        client.close()
+
+
 def main():
     port = free_port()
     with Daemon("--modbus", f"127.0.0.1:{port}", "--modbus-heartbeat", "300",
@@ -524,6 +556,7 @@ def main():
         client = ModbusTcpClient("127.0.0.1", port, timeout=SLOW_S)
         check(client.connect(), "connect")
         by_pymodbus(daemon, client)
+        identity(client)
         refusals(daemon, client)
         by_mbpoll(daemon, port)
         by_modbus_serial(daemon, port)
@@ -532,6 +565,7 @@ def main():
         malformed(daemon, port)
         slow_client(daemon, port)
         flood(daemon, port)
+    over_rtu()
     several_units()
     exercises()
     bad_options()

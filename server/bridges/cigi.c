@@ -305,7 +305,7 @@ static void ask(struct pel_cigi *cigi, struct pel_cigi_reader reader)
             continue;
         }
         if (count == PEL_CIGI_MAX_QUESTIONS) {
-            cigi->dropped_questions++;
+            pel_cigi_answers_lose(cigi->answers, 1);
             continue;
         }
         questions[count] = p;
@@ -625,8 +625,8 @@ size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes)
         pel_cigi_answers_pop(cigi->answers);
     }
     cigi->counters.answers = pel_cigi_answers_made(cigi->answers);
-    cigi->counters.dropped_answers =
-        cigi->dropped_questions + pel_cigi_answers_dropped(cigi->answers);
+    cigi->counters.dropped_answers = pel_cigi_answers_dropped(cigi->answers);
+    cigi->counters.told_dropped += pel_cigi_answers_tell(cigi->answers, now_ns);
     cigi->counters.frames++;
     *bytes = cigi->out;
     return used;

@@ -57,7 +57,8 @@ struct pel_cigi_counters {
     uint64_t skipped_frames; /* not sent: the process was late */
     uint64_t extrapolated;   /* frames while the host was late */
     uint64_t answers, dropped_answers;
-    uint64_t unsent; /* datagrams that the system refused */
+    uint64_t told_dropped; /* times that the log was told of them */
+    uint64_t unsent;       /* datagrams that the system refused */
 };
 
 struct pel_cigi_status {

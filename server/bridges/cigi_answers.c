@@ -3,8 +3,12 @@
 #include <glib.h>
 #include <string.h>
 
+#include "base/log.h"
+#include "base/urgent.h"
+
 #define MAX_JOBS 8
 #define MAX_WAITING 4096
+#define TELL_NS 60000000000LL
 
 /* The requests of one moment; then its answers. */
 struct job {
@@ -22,6 +26,8 @@ struct pel_cigi_answers {
     GAsyncQueue *jobs, *done;
     unsigned era;
     size_t made, dropped;
+    size_t told_made, told_dropped; /* when the log was told */
+    int64_t told_ns;                /* 0: never */
     size_t first, count;
     struct pel_cigi_packet waiting[MAX_WAITING];
 };
@@ -53,10 +59,14 @@ static void work(struct job *job)
     pel_cigi_answer(&job->moment, list, job->count, keep, job);
 }
 
+/* The host waits for its answers, so they do not wait for pictures. */
 static gpointer run(gpointer user)
 {
     struct pel_cigi_answers *a = user;
+    struct pel_urgent urgent = { 0 };
+    pel_urgent_begin(&urgent, PEL_URGENT_ANSWERS);
     for (;;) {
+        pel_urgent_account(&urgent);
         struct job *job = g_async_queue_pop(a->jobs);
         if (job->stop) {
             job_free(job);
@@ -154,6 +164,7 @@ void pel_cigi_answers_ask(struct pel_cigi_answers *a,
         a->dropped += oldest->count;
         job_free(oldest);
     }
+    pel_beat();
     g_async_queue_push(a->jobs, job);
 }
 
@@ -175,6 +186,29 @@ void pel_cigi_answers_clear(struct pel_cigi_answers *a)
 {
     a->era++;
     a->count = 0;
+}
+
+bool pel_cigi_answers_tell(struct pel_cigi_answers *a, int64_t now_ns)
+{
+    size_t lost = a->dropped - a->told_dropped;
+    size_t asked = lost + a->made - a->told_made;
+    if (lost == 0 || (a->told_ns && now_ns - a->told_ns < TELL_NS)) {
+        return false;
+    }
+    pel_warn("CIG-015",
+             "%zu of %zu requests of the CIGI host were not answered: more "
+             "came than the processor answers; ask seldomer or about fewer "
+             "places, draw fewer views, or permit real time (--realtime)",
+             lost, asked);
+    a->told_ns = now_ns;
+    a->told_made = a->made;
+    a->told_dropped = a->dropped;
+    return true;
+}
+
+void pel_cigi_answers_lose(struct pel_cigi_answers *a, size_t count)
+{
+    a->dropped += count;
 }
 
 size_t pel_cigi_answers_made(const struct pel_cigi_answers *a)

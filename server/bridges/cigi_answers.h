@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 
 #include "bridges/cigi_query.h"
 
@@ -26,6 +27,13 @@ void pel_cigi_answers_ask(struct pel_cigi_answers *answers,
 const struct pel_cigi_packet *
 pel_cigi_answers_peek(struct pel_cigi_answers *answers);
 void pel_cigi_answers_pop(struct pel_cigi_answers *answers);
+
+/* Requests that were not even asked: more than a moment may have. */
+void pel_cigi_answers_lose(struct pel_cigi_answers *answers, size_t count);
+
+/* Tells the log of what was dropped since it was told last, once a minute at
+ * most; whether it did. */
+bool pel_cigi_answers_tell(struct pel_cigi_answers *answers, int64_t now_ns);
 
 /* Forgets what is ready and what is not: of a host that is gone. */
 void pel_cigi_answers_clear(struct pel_cigi_answers *answers);

@@ -39,8 +39,8 @@ struct pel_cigi {
     struct pel_cigi_counters counters;
 
     struct sockaddr_storage host;
-    socklen_t host_size; /* 0: nobody to send to */
-    struct pel_target *host_target; /* NULL: who was heard */
+    socklen_t host_size;             /* 0: nobody to send to */
+    struct pel_target *host_target;  /* NULL: who was heard */
     struct sockaddr_storage speaker; /* who leads */
     bool shown;                      /* in the metrics */
 
@@ -71,7 +71,6 @@ struct pel_cigi {
     struct pel_cigi_shapes *shapes; /* NULL: no table of types */
     struct pel_cigi_periodic periodic;
     struct pel_cigi_answers *answers;
-    uint64_t dropped_questions;
     struct pel_cigi_reader batch[BATCH]; /* into `in`: not applied yet */
     size_t batch_count, in_used;
     bool batch_first, batch_reset;

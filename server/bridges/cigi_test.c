@@ -533,6 +533,8 @@ static void many_answers_take_several_frames(void **state)
     assert_int_equal(got, PEL_CIGI_MAX_QUESTIONS);
     assert_int_equal(pel_cigi_counters(cigi)->dropped_answers,
                      1200 - PEL_CIGI_MAX_QUESTIONS);
+    /* It is told, once for all of them. */
+    assert_int_equal(pel_cigi_counters(cigi)->told_dropped, 1);
 }
 
 static void sight(double elevation, double most, double extended)

@@ -17,6 +17,7 @@
 #include "bounds.h"
 #include "bridges/endpoint.h"
 #include "bridges/modbus_adu.h"
+#include "bridges/modbus_rtu.h"
 #include "bridges/modbus_units.h"
 #include "scene/scene.h"
 
@@ -27,8 +28,9 @@
 /* One idle for so long gives way to a new client when all are taken. */
 #define IDLE_NS (60000 * MS)
 #define CHUNK 256
-/* The shortest request has 8 bytes: CHUNK of them, and one begun before. */
-#define MAX_ANSWERS ((CHUNK / 8 + 1) * PEL_MODBUS_MAX_ADU)
+/* The shortest request has 8 bytes, of RTU 4: CHUNK of them, and one begun
+ * before. */
+#define MAX_ANSWERS ((CHUNK / 4 + 1) * PEL_MODBUS_MAX_ADU)
 
 struct pel_modbus_session {
     struct pel_modbus *modbus;
@@ -228,21 +230,52 @@ static void count_commits(struct pel_modbus *m)
     }
 }
 
-static size_t answer_adu(struct pel_modbus_session *s, uint8_t *answer)
+static size_t answer_unit(struct pel_modbus_session *s, struct unit *u,
+                          uint8_t *answer, enum pel_modbus_exception *code)
 {
     struct pel_modbus *m = s->modbus;
     int64_t now_ns = pel_now_ns();
+    watch(m, u, now_ns);
+    refresh_inputs(m, u, now_ns);
+    size_t size = pel_modbus_answer(&m->responder, &u->map, s->adu, s->used,
+                                    answer, code);
+    watch(m, u, now_ns);
+    count_commits(m);
+    return size;
+}
+
+/* As a unit on a line does: what is for all of them nobody answers, nor what
+ * is for one that is not there. */
+static size_t answer_frame(struct pel_modbus_session *s, uint8_t *answer)
+{
+    struct pel_modbus *m = s->modbus;
+    enum pel_modbus_exception code = PEL_MODBUS_DONE;
+    size_t size = 0;
+    s->used = pel_modbus_rtu_to_tcp(s->adu, s->used);
+    struct unit *u = s->adu[6] == 0 ? NULL : find_unit(m, s->adu[6]);
+    m->counters.requests++;
+    if (u) {
+        size = pel_modbus_tcp_to_rtu(answer, answer_unit(s, u, answer, &code));
+    }
+    for (size_t i = 0; i < m->unit_count && s->adu[6] == 0; i++) {
+        (void)answer_unit(s, &m->units[i], answer, &code);
+    }
+    m->counters.wrong_unit += !u && s->adu[6] != 0;
+    if (code) {
+        m->counters.exceptions[code]++;
+    }
+    return size;
+}
+
+static size_t answer_adu(struct pel_modbus_session *s, uint8_t *answer)
+{
+    struct pel_modbus *m = s->modbus;
     enum pel_modbus_exception code;
     size_t size;
     m->counters.requests++;
     struct unit *u = find_unit(m, s->adu[6]);
     if (u) {
-        watch(m, u, now_ns);
-        refresh_inputs(m, u, now_ns);
-        size = pel_modbus_answer(&m->responder, &u->map, s->adu, s->used,
-                                 answer, &code);
-        watch(m, u, now_ns);
-        count_commits(m);
+        size = answer_unit(s, u, answer, &code);
     } else {
         m->counters.wrong_unit++;
         code = PEL_MODBUS_NO_TARGET;
@@ -268,6 +301,17 @@ static size_t adu_size(const struct pel_modbus_session *s)
     return length < 2 || length > 254 ? 0 : 6 + length;
 }
 
+static enum pel_modbus_frame frame_of(const struct pel_modbus_session *s)
+{
+    if (s->modbus->options.rtu) {
+        return pel_modbus_rtu_frame(s->adu, s->used);
+    }
+    size_t whole = adu_size(s);
+    return whole == 0                      ? PEL_MODBUS_BROKEN
+           : s->used < whole || whole == 6 ? PEL_MODBUS_PART
+                                           : PEL_MODBUS_WHOLE;
+}
+
 long pel_modbus_session_feed(struct pel_modbus_session *s, const uint8_t *bytes,
                              size_t size, uint8_t *answer, size_t answer_size)
 {
@@ -278,16 +322,17 @@ long pel_modbus_session_feed(struct pel_modbus_session *s, const uint8_t *bytes,
         }
         s->adu[s->used++] = *bytes++;
         size--;
-        size_t whole = adu_size(s);
-        if (whole == 0) {
+        enum pel_modbus_frame frame = frame_of(s);
+        if (frame == PEL_MODBUS_BROKEN) {
             s->modbus->counters.malformed++;
             return -1;
         }
-        if (s->used < whole || whole == 6) {
+        if (frame == PEL_MODBUS_PART) {
             continue;
         }
         uint8_t one[PEL_MODBUS_MAX_ADU];
-        size_t length = answer_adu(s, one);
+        size_t length =
+            s->modbus->options.rtu ? answer_frame(s, one) : answer_adu(s, one);
         s->used = 0;
         if (length <= answer_size - written) {
             memcpy(answer + written, one, length);
@@ -406,7 +451,9 @@ static gboolean on_client(gint fd, GIOCondition condition, gpointer user)
     if (size < 0) {
         static struct pel_log_limit limit;
         pel_log_limited(&limit, PEL_LOG_WARNING, "MBS-007",
-                        "a Modbus connection was closed: not Modbus/TCP");
+                        "a Modbus connection was closed: not %s",
+                        c->session.modbus->options.rtu ? "Modbus RTU"
+                                                       : "Modbus/TCP");
         close_client(c);
         return G_SOURCE_REMOVE;
     }
@@ -682,8 +729,9 @@ enum pel_err pel_modbus_create(const struct pel_modbus_options *options,
     }
     if (m->fd >= 0) {
         m->accept_source = g_unix_fd_add(m->fd, G_IO_IN, on_accept, m);
-        pel_info("MBS-001", "Modbus/TCP on %s, port %u", options->listen,
-                 m->port);
+        pel_info("MBS-001", "%s on %s, port %u",
+                 options->rtu ? "Modbus RTU over TCP" : "Modbus/TCP",
+                 options->listen, m->port);
     }
     m->sweep_source = g_timeout_add(SWEEP_MS, on_sweep, m);
     if (options->metrics) {

@@ -39,6 +39,7 @@ struct pel_modbus_options {
     const char *listen; /* ADDRESS:PORT; NULL: no socket, feed only */
     const char *allow;  /* peers, `10.0.0.7,192.168.1.0/24`; NULL: loopback.
                          * Any other `listen` than loopback needs it */
+    bool rtu;           /* frames of RTU in the stream: modbus_rtu.h */
     enum pel_modbus_order order; /* of units that say no other */
     const char *units;           /* pel_modbus_units_read (modbus_units.h) */
     int max_clients;             /* 1..256 */

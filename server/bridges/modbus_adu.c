@@ -5,6 +5,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "bridges/modbus_ident.h"
+
 enum pel_err pel_modbus_responder_init(struct pel_modbus_responder *a,
                                        struct pel_fault *fault)
 {
@@ -235,6 +237,10 @@ size_t pel_modbus_answer(struct pel_modbus_responder *a,
                          enum pel_modbus_exception *code)
 {
     struct request r = { 0 };
+    if (adu[PEL_MODBUS_HEADER] == PEL_MODBUS_FC_ENCAPSULATED) {
+        size_t length = pel_modbus_identify(adu, size, answer, code);
+        return length > 0 ? length : pel_modbus_refuse(a, adu, *code, answer);
+    }
     *code = parse(&r, map, adu + PEL_MODBUS_HEADER, size - PEL_MODBUS_HEADER);
     if (!*code && ((r.reads && !inside(r.space, r.read_at, r.read_count)) ||
                    (r.writes && !inside(r.space, r.write_at, r.write_count)))) {

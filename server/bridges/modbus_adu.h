@@ -11,6 +11,8 @@
 
 #define PEL_MODBUS_HEADER 7 /* transaction, protocol, length, unit */
 #define PEL_MODBUS_MAX_ADU 260
+#define PEL_MODBUS_FC_ENCAPSULATED 0x2b
+#define PEL_MODBUS_MEI_IDENTIFY 0x0e
 
 struct pel_modbus_responder {
     modbus_t *context;

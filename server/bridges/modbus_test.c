@@ -1,6 +1,7 @@
 /* The Modbus server on a real scene: staging, commits, refusals, framing,
  * heartbeat, and more descriptors than select() can count. */
 #include "bridges/modbus.h"
+#include "bridges/modbus_rtu.h"
 
 #include <arpa/inet.h>
 #include <fcntl.h>
@@ -605,6 +606,156 @@ static void exercises_are_none(void **state)
     assert_int_equal(write_one(f, 221, 1), -2); /* half a number */
 }
 
+/* --- identification ---------------------------------------------------------
+ */
+
+static size_t identify(struct fixture *f, uint8_t code, uint8_t object)
+{
+    const uint8_t adu[] = { 0, 9, 0, 0, 0, 5, 1, 0x2b, 0x0e, code, object };
+    f->size = pel_modbus_session_feed(f->session, adu, sizeof adu, f->answer,
+                                      sizeof f->answer);
+    assert_true(f->size > 8);
+    assert_int_equal(f->answer[1], 9);
+    assert_int_equal(f->answer[4] << 8 | f->answer[5], f->size - 6);
+    return (size_t)f->size;
+}
+
+static void says_what_it_is(void **state)
+{
+    struct fixture *f = *state;
+    const uint8_t *pdu = f->answer + 7;
+    size_t size = identify(f, 1, 0);
+    static const uint8_t head[] = { 0x2b, 0x0e, 1, 0x82, 0, 0, 3, 0, 7, 'P' };
+    assert_memory_equal(pdu, head, sizeof head);
+    const uint8_t *at = pdu + 7, *end = f->answer + size;
+    static const char *const basic[] = { "Pelagos", "pelagosd", PEL_VERSION };
+    for (uint8_t id = 0; id < 3; id++) {
+        assert_int_equal(at[0], id);
+        assert_int_equal(at[1], strlen(basic[id]));
+        assert_memory_equal(at + 2, basic[id], at[1]);
+        at += 2 + at[1];
+    }
+    assert_ptr_equal(at, end);
+    identify(f, 2, 0); /* regular: all seven */
+    assert_int_equal(pdu[6], 7);
+    identify(f, 3, 0); /* extended: as much as there is */
+    assert_int_equal(pdu[6], 7);
+    identify(f, 2, 4); /* from there on */
+    assert_int_equal(pdu[6], 3);
+    assert_int_equal(pdu[7], 4);
+    identify(f, 1, 200); /* none of its objects: anew */
+    assert_int_equal(pdu[6], 3);
+    assert_int_equal(pdu[7], 0);
+    identify(f, 4, 2);
+    assert_int_equal(pdu[6], 1);
+    assert_int_equal(pdu[7], 2);
+    assert_memory_equal(pdu + 9, PEL_VERSION, pdu[8]);
+    static const struct {
+        uint8_t code, object, exception;
+    } bad[] = { { 0, 0, 3 }, { 5, 0, 3 }, { 4, 7, 2 }, { 4, 255, 2 } };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        identify(f, bad[i].code, bad[i].object);
+        assert_int_equal(pdu[0], 0xab);
+        assert_int_equal(pdu[1], bad[i].exception);
+    }
+    static const uint8_t other[] = { 0, 9, 0, 0, 0, 5, 1, 0x2b, 0x0d, 1, 0 };
+    assert_int_equal(pel_modbus_session_feed(f->session, other, sizeof other,
+                                             f->answer, sizeof f->answer),
+                     9);
+    assert_int_equal(pdu[1], 1);
+}
+
+/* --- RTU over TCP -----------------------------------------------------------
+ */
+
+static int set_up_rtu(void **state)
+{
+    static struct fixture f;
+    struct pel_modbus_options options = pel_modbus_default_options();
+    options.listen = NULL;
+    options.rtu = true;
+    options.units = "1,2";
+    open_server(&f, options);
+    *state = &f;
+    return 0;
+}
+
+/* A frame of these bytes and their CRC; what came of it. */
+static long frame(struct fixture *f, const uint8_t *bytes, size_t size,
+                  bool in_pieces)
+{
+    uint8_t whole[300];
+    uint16_t crc = pel_modbus_crc(bytes, size);
+    memcpy(whole, bytes, size);
+    whole[size] = (uint8_t)crc;
+    whole[size + 1] = (uint8_t)(crc >> 8);
+    f->size = 0;
+    for (size_t i = 0; in_pieces && i < size + 2 && f->size == 0; i++) {
+        f->size = pel_modbus_session_feed(f->session, whole + i, 1, f->answer,
+                                          sizeof f->answer);
+        assert_true(f->size == 0 || i == size + 1);
+    }
+    if (!in_pieces) {
+        f->size = pel_modbus_session_feed(f->session, whole, size + 2,
+                                          f->answer, sizeof f->answer);
+    }
+    if (f->size > 2) {
+        size_t body = (size_t)f->size - 2;
+        crc = pel_modbus_crc(f->answer, body);
+        assert_int_equal(f->answer[body], crc & 0xff);
+        assert_int_equal(f->answer[body + 1], crc >> 8);
+    }
+    return f->size;
+}
+#define FRAME(in_pieces, ...)                                                  \
+    frame(f, (const uint8_t[]){ __VA_ARGS__ },                                 \
+          sizeof(const uint8_t[]){ __VA_ARGS__ }, in_pieces)
+
+static void speaks_rtu(void **state)
+{
+    struct fixture *f = *state;
+    /* The example of the specification's appendix B. */
+    assert_int_equal(pel_modbus_crc((const uint8_t[]){ 2, 7 }, 2), 0x1241);
+    for (int pieces = 0; pieces < 2; pieces++) {
+        assert_int_equal(FRAME(pieces, 1, 3, 0, 0, 0, 2), 9); /* the probe */
+        static const uint8_t probe[] = { 1, 3, 4, 1, 2, 3, 4 };
+        assert_memory_equal(f->answer, probe, sizeof probe);
+        assert_int_equal(FRAME(pieces, 2, 6, 0, 5, 0, 0), 8);
+        assert_int_equal(FRAME(pieces, 1, 16, 0, 10, 0, 2, 4, 0x41, 0x20, 0, 0),
+                         8);
+        assert_int_equal(FRAME(pieces, 1, 22, 0, 5, 0xff, 0xff, 0, 0), 10);
+        assert_int_equal(FRAME(pieces, 1, 23, 0, 0, 0, 2, 0, 5, 0, 1, 2, 0, 0),
+                         9);
+        assert_true(FRAME(pieces, 1, 17) > 4);
+        assert_true(FRAME(pieces, 1, 0x2b, 0x0e, 1, 0) > 20);
+        assert_int_equal(FRAME(pieces, 1, 0x2b, 0x0d, 1), 5);
+        assert_int_equal(FRAME(pieces, 1, 99, 1, 2, 3), 5); /* unknown */
+        assert_int_equal(f->answer[1], 99 | 0x80);
+        assert_int_equal(f->answer[2], 1);
+        assert_int_equal(FRAME(pieces, 1, 3, 0xff, 0, 0, 2), 5); /* address */
+        assert_int_equal(f->answer[2], 2);
+    }
+    /* Nobody answers for a unit that is not there, nor for all of them. */
+    uint64_t wrong = pel_modbus_counters(f->modbus)->wrong_unit;
+    assert_int_equal(FRAME(false, 9, 3, 0, 0, 0, 2), 0);
+    assert_int_equal(pel_modbus_counters(f->modbus)->wrong_unit, wrong + 1);
+    uint64_t heard = pel_modbus_counters(f->modbus)->heartbeats;
+    assert_int_equal(FRAME(false, 0, 6, 0, 4, 0, 1), 0);
+    assert_int_equal(pel_modbus_counters(f->modbus)->heartbeats, heard + 2);
+    /* Several at once, and then one that is damaged. */
+    static const uint8_t two[] = { 1, 3, 0, 0, 0, 1, 0x84, 0x0a,
+                                   1, 3, 0, 0, 0, 1, 0x84, 0x0a };
+    assert_int_equal(pel_modbus_session_feed(f->session, two, sizeof two,
+                                             f->answer, sizeof f->answer),
+                     14);
+    assert_int_equal(
+        pel_modbus_session_feed(f->session,
+                                (const uint8_t[]){ 1, 3, 0, 0, 0, 1, 0, 0 }, 8,
+                                f->answer, sizeof f->answer),
+        -1);
+    assert_int_equal(pel_modbus_counters(f->modbus)->malformed, 1);
+}
+
 int main(void)
 {
     pel_log_set_level(PEL_LOG_ERROR);
@@ -626,6 +777,8 @@ int main(void)
         TEST(a_thousand_bad_requests),
         TEST(refuses_open_doors_and_bad_options),
         TEST(exercises_are_none),
+        TEST(says_what_it_is),
+        cmocka_unit_test_setup_teardown(speaks_rtu, set_up_rtu, tear_down),
         cmocka_unit_test(answers_above_1024_descriptors),
         cmocka_unit_test(slow_clients_cost_nobody_else),
     };

@@ -15,6 +15,7 @@
 #include "base/watch.h"
 #include "bridges/ais.h"
 #include "bridges/endpoint.h"
+#include "bridges/nmea_fleet.h"
 #include "bridges/nmea_targets.h"
 #include "bridges/nmea_values.h"
 #include "scene/helm.h"
@@ -367,11 +368,47 @@ static bool is_late(struct pel_nmea *nmea, const struct pel_nmea_sentence *s)
     return false;
 }
 
+/* A line that has no checksum, with the one that it should have. */
+static enum pel_nmea_error parse_bare(const char *line, size_t length,
+                                      struct pel_nmea_sentence *out)
+{
+    char text[PEL_NMEA_MAX_SENTENCE + 4];
+    const char *begin = line;
+    unsigned sum = 0;
+    while (length > 0 && line[length - 1] == ' ') {
+        length--;
+    }
+    for (const char *p = line; p < line + length; p++) {
+        begin = *p == '$' || *p == '!' ? p + 1 : begin;
+    }
+    if (length + 3 > PEL_NMEA_MAX_SENTENCE ||
+        memchr(begin, '*', (size_t)(line + length - begin))) {
+        return PEL_NMEA_NO_CHECKSUM;
+    }
+    for (const char *p = begin; p < line + length; p++) {
+        sum ^= (unsigned char)*p;
+    }
+    memcpy(text, line, length);
+    snprintf(text + length, 4, "*%02X", sum & 0xff);
+    return pel_nmea_parse(text, length + 3, out);
+}
+
+static enum pel_nmea_error parse(struct pel_nmea *nmea, const char *line,
+                                 size_t length, struct pel_nmea_sentence *out)
+{
+    enum pel_nmea_error error = pel_nmea_parse(line, length, out);
+    if (error == PEL_NMEA_NO_CHECKSUM && nmea->options.no_checksum) {
+        error = parse_bare(line, length, out);
+        nmea->counters.unchecked += error == PEL_NMEA_OK;
+    }
+    return error;
+}
+
 static void take_line(void *user, const char *line, size_t length)
 {
     struct pel_nmea *nmea = user;
     struct pel_nmea_sentence s;
-    enum pel_nmea_error error = pel_nmea_parse(line, length, &s);
+    enum pel_nmea_error error = parse(nmea, line, length, &s);
     if (error) {
         static struct pel_log_limit limit;
         pel_log_limited(&limit, PEL_LOG_DEBUG, "NME-003",
@@ -478,6 +515,7 @@ static void status_at(const struct pel_nmea *nmea, int64_t now,
     }
     status->stale = v->fix_at_ns != 0 && !status->fix_fresh;
     status->targets = pel_nmea_targets_count(&nmea->targets);
+    status->known = pel_nmea_targets_known(&nmea->targets);
 }
 
 /* The fix has become stale: what becomes of the ship, in the log. */
@@ -587,6 +625,8 @@ static void collect(void *user, struct pel_metrics_page *page)
           c->refused_edits + c->targets.refused_edits },
         { "pelagos_nmea_ais_messages_total", "AIS messages decoded.",
           c->ais_messages },
+        { "pelagos_nmea_unchecked_total",
+          "Sentences without a checksum, taken all the same.", c->unchecked },
         { "pelagos_nmea_ais_ignored_total",
           "AIS messages of other types, incomplete or damaged.",
           c->ais_ignored + c->targets.ignored },
@@ -615,6 +655,9 @@ static void collect(void *user, struct pel_metrics_page *page)
                "Time since the last fix; -1: never.", NULL, s.fix_age_s);
     pel_metric(page, "pelagos_nmea_ais_targets", PEL_METRIC_GAUGE,
                "AIS and radar targets shown.", NULL, (double)s.targets);
+    pel_metric(page, "pelagos_nmea_ais_known", PEL_METRIC_GAUGE,
+               "AIS targets known, shown or not, and radar targets shown.",
+               NULL, (double)s.known);
     if (!isnan(s.depth_m)) {
         pel_metric(page, "pelagos_nmea_depth_meters", PEL_METRIC_GAUGE,
                    "Depth of water that DPT or DBT gave last.", NULL,
@@ -642,6 +685,10 @@ enum pel_err pel_nmea_create(const struct pel_nmea_options *options,
     nmea->targets.scene = scene;
     nmea->targets.own_ship = options->entity;
     nmea->targets.counters = &nmea->counters.targets;
+    if (options->ais && options->targets > PEL_NMEA_TARGETS) {
+        nmea->targets.fleet = pel_nmea_fleet_create(
+            (size_t)MIN(options->targets, PEL_NMEA_FLEET));
+    }
     nmea->fd = -1;
     enum pel_err err = pel_allow_parse(options->allow, &nmea->allow, fault);
     if (!err && options->listen) {
@@ -676,6 +723,7 @@ void pel_nmea_destroy(struct pel_nmea *nmea)
     }
     pel_scene_forget(nmea->scene, nmea);
     pel_nmea_targets_finish(&nmea->targets);
+    pel_nmea_fleet_destroy(nmea->targets.fleet);
     if (nmea->tick_source) {
         g_source_remove(nmea->tick_source);
         if (nmea->options.metrics) {

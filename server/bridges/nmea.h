@@ -46,7 +46,9 @@ struct pel_nmea_options {
                          * Any other `listen` than loopback needs it */
     uint32_t entity;    /* id of the entity moved, 0..65535 */
     enum pel_nmea_wind wind;
-    bool ais; /* targets become entities 20000 and up: nmea_targets.h */
+    bool no_checksum; /* sentences may lack theirs */
+    bool ais;         /* targets become entities 20000 and up: nmea_targets.h */
+    int targets; /* of AIS that are kept, PEL_NMEA_TARGETS .. PEL_NMEA_FLEET */
     struct pel_metrics *metrics; /* NULL: none are shown */
 };
 
@@ -66,6 +68,7 @@ struct pel_nmea_counters {
     uint64_t ais_messages;  /* decoded */
     uint64_t ais_ignored;   /* other types, unknown parts, damaged */
     uint64_t late;          /* datagrams behind a newer one of the same clock */
+    uint64_t unchecked; /* sentences without a checksum, taken all the same */
     uint64_t resynchronised; /* read after what a broken line left */
     struct pel_nmea_target_counters targets;
 };
@@ -78,6 +81,7 @@ struct pel_nmea_status {
     double depth_m;             /* below transducer plus offset, NaN: unknown */
     double rudder_deg;          /* RSA, starboard positive, NaN: unknown */
     size_t targets;             /* of AIS and radar, shown */
+    size_t known;               /* those, and of AIS those not shown */
     uint64_t sentences, errors; /* taken; of any kind */
 };
 

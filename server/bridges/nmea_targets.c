@@ -1,11 +1,13 @@
 #include "bridges/nmea_targets.h"
 
+#include <glib.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/log.h"
 #include "base/vec.h"
+#include "bridges/nmea_fleet.h"
 #include "bridges/nmea_out.h"
 #include "scene/geodesy.h"
 
@@ -33,8 +35,8 @@ static bool is_radar(const struct pel_nmea_target *t)
 
 /* --- names ---------------------------------------------------------------- */
 
-static const struct pel_nmea_name *known(const struct pel_nmea_targets *t,
-                                         uint64_t key)
+static const struct pel_nmea_name *known_name(const struct pel_nmea_targets *t,
+                                              uint64_t key)
 {
     for (size_t i = 0; i < PEL_NMEA_NAMES; i++) {
         if (t->names[i].key == key) {
@@ -161,9 +163,13 @@ static struct pel_nmea_target *settle(struct pel_nmea_targets *t,
     if (!target) {
         return NULL;
     }
-    const struct pel_nmea_name *said = known(t, key);
+    const struct pel_nmea_name *said = known_name(t, key);
     *target = (struct pel_nmea_target){
-        .key = key, .heading = NAN, .station = r->station, .reshaped = true
+        .key = key,
+        .heading = NAN,
+        .station = r->station,
+        .reshaped = true,
+        .drawn_ns = now_ns,
     };
     t->reshaped = true;
     if (said) {
@@ -527,9 +533,121 @@ static void commit_reports(struct pel_nmea_targets *t, int64_t now_ns)
     }
 }
 
+/* --- of a fleet ----------------------------------------------------------- */
+
+#define CHOOSE_NS (SECOND_NS / 4)
+
+/* Places that the table and the scene have for newcomers. */
+static size_t room_of(const struct pel_nmea_targets *t)
+{
+    size_t entities = pel_scene_state(t->scene)->n_entities;
+    size_t taken = pel_nmea_targets_count(t) + t->pending_count;
+    size_t free_places =
+        taken < PEL_NMEA_TARGETS ? PEL_NMEA_TARGETS - taken : 0;
+    size_t free_entities =
+        entities + t->pending_count < PEL_BOUND_ENTITIES
+            ? PEL_BOUND_ENTITIES - entities - t->pending_count
+            : 0;
+    return MIN(free_places, free_entities);
+}
+
+/* One edit takes them all out. */
+static void let_go(struct pel_nmea_targets *t,
+                   const struct pel_nmea_choice *choice)
+{
+    char paths[PEL_NMEA_SWAPS][32];
+    char *list[PEL_NMEA_SWAPS];
+    Pelagos__Patch what = PELAGOS__PATCH__INIT;
+    what.remove = list;
+    for (size_t i = 0; i < choice->leave_count; i++) {
+        struct pel_nmea_target *target = find(t, choice->leave[i]);
+        if (target) {
+            list[what.n_remove] = paths[what.n_remove];
+            snprintf(paths[what.n_remove++], sizeof paths[0], "entities.%zu",
+                     PEL_NMEA_TARGET_ID + (size_t)(target - t->targets));
+            *target = (struct pel_nmea_target){ 0 };
+            t->counters->evicted++;
+        }
+    }
+    if (what.n_remove > 0 && pel_scene_patch(t->scene, &what, NULL) != PEL_OK) {
+        t->counters->refused_edits++; /* a client has removed one already */
+    }
+}
+
+static void enter(struct pel_nmea_targets *t,
+                  const struct pel_nmea_known *known, int64_t now_ns)
+{
+    if (known->name[0]) {
+        keep_name(t, known->key, known->name);
+    }
+    if (known->has_ship) {
+        keep_ship(t, known->key, &known->ship);
+    }
+    t->pending[t->pending_count++] = pel_nmea_fleet_reckon(known, now_ns);
+}
+
+static void choose(struct pel_nmea_targets *t, int64_t now_ns)
+{
+    struct pel_nmea_drawn drawn[PEL_NMEA_TARGETS];
+    struct pel_nmea_choice choice;
+    struct pel_nmea_report own;
+    size_t count = 0;
+    t->chosen_ns = now_ns;
+    for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+        if (t->targets[i].key != 0) {
+            drawn[count++] = (struct pel_nmea_drawn){ t->targets[i].key,
+                                                      t->targets[i].drawn_ns };
+        }
+    }
+    bool has_own = pel_nmea_out_report_of(t->scene, t->own_ship, &own);
+    pel_nmea_fleet_choose(t->fleet, has_own ? &own : NULL, drawn, count,
+                          room_of(t), now_ns, &choice);
+    let_go(t, &choice);
+    for (size_t i = 0; i < choice.enter_count; i++) {
+        enter(t, choice.enter[i], now_ns);
+    }
+    commit_reports(t, now_ns);
+}
+
+/* Keeps a report of AIS; whether the table is to have it too. */
+static bool keep_known(struct pel_nmea_targets *t, uint64_t key,
+                       const struct pel_nmea_target_report *r, int64_t now_ns)
+{
+    bool is_new = !pel_nmea_fleet_find(t->fleet, key);
+    struct pel_nmea_known *known =
+        pel_nmea_fleet_take(t->fleet, key, r, now_ns);
+    const struct pel_nmea_name *said =
+        known && is_new ? known_name(t, key) : NULL;
+    if (said) {
+        snprintf(known->name, sizeof known->name, "%s", said->name);
+        known->ship = said->ship;
+        known->has_ship = true;
+    }
+    t->counters->refused += !known;
+    return known && (find(t, key) || room_of(t) > 0);
+}
+
+/* Names and ships wait in the list for those that are not known yet. */
+static bool keep_static(struct pel_nmea_targets *t, uint64_t key,
+                        const struct pel_ais *ais)
+{
+    struct pel_nmea_known *known = pel_nmea_fleet_find(t->fleet, key);
+    if (known && ais->name[0]) {
+        snprintf(known->name, sizeof known->name, "%s", ais->name);
+    }
+    if (known && ais->has_ship) {
+        known->ship = ais->ship;
+        known->has_ship = true;
+    }
+    return known && !find(t, key);
+}
+
 void pel_nmea_targets_commit(struct pel_nmea_targets *t, int64_t now_ns)
 {
     commit_reports(t, now_ns);
+    if (t->fleet && now_ns - t->chosen_ns >= CHOOSE_NS) {
+        choose(t, now_ns);
+    }
     submit_shapes(t);
 }
 
@@ -546,11 +664,13 @@ static void wait_for_commit(struct pel_nmea_targets *t,
 void pel_nmea_targets_take_ais(struct pel_nmea_targets *t,
                                const struct pel_ais *ais, int64_t now_ns)
 {
-    if (ais->name[0]) {
-        keep_name(t, key_of(false, ais->mmsi), ais->name);
+    uint64_t key = key_of(false, ais->mmsi);
+    bool kept = t->fleet && keep_static(t, key, ais);
+    if (ais->name[0] && !kept) {
+        keep_name(t, key, ais->name);
     }
-    if (ais->has_ship) {
-        keep_ship(t, key_of(false, ais->mmsi), &ais->ship);
+    if (ais->has_ship && !kept) {
+        keep_ship(t, key, &ais->ship);
     }
     if (!ais->has_position_report) {
         return;
@@ -568,7 +688,9 @@ void pel_nmea_targets_take_ais(struct pel_nmea_targets *t,
         .turn_rate = ais->turn_rate,
         .status = ais->status,
     };
-    wait_for_commit(t, &report, now_ns);
+    if (!t->fleet || keep_known(t, key, &report, now_ns)) {
+        wait_for_commit(t, &report, now_ns);
+    }
 }
 
 void pel_nmea_targets_take_radar(struct pel_nmea_targets *t,
@@ -620,6 +742,11 @@ void pel_nmea_targets_expire(struct pel_nmea_targets *t, int64_t now_ns)
             remove_target(t, target);
         }
     }
+    if (t->fleet) {
+        commit_reports(t, now_ns);
+        pel_nmea_fleet_expire(t->fleet, AIS_LIFE_NS, now_ns);
+        choose(t, now_ns);
+    }
     submit_shapes(t);
 }
 
@@ -628,6 +755,17 @@ size_t pel_nmea_targets_count(const struct pel_nmea_targets *t)
     size_t count = 0;
     for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
         count += t->targets[i].key != 0;
+    }
+    return count;
+}
+
+size_t pel_nmea_targets_known(const struct pel_nmea_targets *t)
+{
+    size_t count = t->fleet ? pel_nmea_fleet_count(t->fleet) : 0;
+    for (size_t i = 0; i < PEL_NMEA_TARGETS; i++) {
+        count +=
+            t->targets[i].key != 0 &&
+            (!t->fleet || !pel_nmea_fleet_find(t->fleet, t->targets[i].key));
     }
     return count;
 }

@@ -7,7 +7,10 @@
  * unheard longest. Names that come before a position wait in a list of their
  * own, with types and sizes, PEL_NMEA_NAMES long, whose oldest gives way: a
  * report without a position never takes a target's place. An AIS target unheard
- * for 10 minutes and a radar target unheard for 60 s is removed. */
+ * for 10 minutes and a radar target unheard for 60 s is removed.
+ *
+ * With a fleet (nmea_fleet.h) all that AIS tells of is kept there, and the
+ * table has the nearest of them. */
 #pragma once
 
 #include <stdbool.h>
@@ -41,8 +44,9 @@ struct pel_nmea_target_report {
 struct pel_nmea_target {
     uint64_t key; /* radar << 32 | number, + 1; 0: free */
     int64_t heard_ns;
-    int64_t fine_ns; /* the last position that was not coarse, 0: none */
-    int64_t tll_ns;  /* the last position of a radar target, not polar */
+    int64_t fine_ns;  /* the last position that was not coarse, 0: none */
+    int64_t tll_ns;   /* the last position of a radar target, not polar */
+    int64_t drawn_ns; /* since when */
     double latitude, longitude;
     double heading; /* the last that was known, NaN: none */
     enum pel_nmea_station station;
@@ -68,10 +72,15 @@ struct pel_nmea_target_counters {
     uint64_t edits, refused_edits;
 };
 
-/* Zero it, then set scene, own_ship (an entity's id) and counters. */
+struct pel_nmea_fleet;
+
+/* Zero it, then set scene, own_ship (an entity's id), fleet and counters. */
 struct pel_nmea_targets {
     struct pel_scene *scene;
     uint32_t own_ship;
+    struct pel_nmea_fleet *fleet; /* of AIS, of whom the table has those that
+                                   * are drawn; NULL: the table is all */
+    int64_t chosen_ns;            /* of them, the last time */
     struct pel_nmea_target targets[PEL_NMEA_TARGETS];
     struct pel_nmea_name names[PEL_NMEA_NAMES];
     uint64_t name_clock;
@@ -103,3 +112,5 @@ void pel_nmea_targets_expire(struct pel_nmea_targets *targets, int64_t now_ns);
 void pel_nmea_targets_finish(struct pel_nmea_targets *targets);
 
 size_t pel_nmea_targets_count(const struct pel_nmea_targets *targets);
+/* With those of the fleet that are not drawn. */
+size_t pel_nmea_targets_known(const struct pel_nmea_targets *targets);

@@ -403,11 +403,48 @@ static void listens_to_its_list_only(void **state)
     }
 }
 
+/* A sentence may lack its checksum where that is permitted; a wrong one, or
+ * half of one, is dropped all the same. */
+static void checksums_may_be_optional(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line;
+        bool taken, unchecked;
+    } cases[] = {
+        { "$GPHDT,10.0,T\r\n", true, true },
+        { "$GPHDT,20.0,T  \r\n", true, true },
+        { "noise$GPHDT,30.0,T\r\n", true, true },
+        { "$GPHDT,40.0,T*02\r\n", false, false }, /* 06 is right */
+        { "$GPHDT,50.0,T*\r\n", false, false },
+        { "$GPHDT,60.0,T*0\r\n", false, false },
+        { "GPHDT,70.0,T\r\n", false, false },
+        { "$GPHDT,x,T\r\n", false, false },
+    };
+    for (int optional = 0; optional < 2; optional++) {
+        struct fixture f;
+        struct pel_nmea_options options = pel_nmea_default_options();
+        options.listen = NULL;
+        options.no_checksum = optional;
+        open_bridge(&f, options);
+        const struct pel_nmea_counters *c = pel_nmea_counters(f.nmea);
+        for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+            uint64_t taken = c->sentences, bare = c->unchecked;
+            pel_nmea_feed(f.nmea, cases[i].line, strlen(cases[i].line));
+            assert_int_equal(c->sentences - taken, optional && cases[i].taken);
+            assert_int_equal(c->unchecked - bare,
+                             optional && cases[i].unchecked);
+        }
+        close_bridge(&f);
+    }
+}
+
 int main(void)
 {
     pel_log_set_level(PEL_LOG_ERROR);
 #define TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(checksums_may_be_optional),
         TEST(one_datagram_is_one_edit),
         TEST(reckons_between_fixes),
         TEST(wind_said_again_is_no_news),

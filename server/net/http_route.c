@@ -7,6 +7,7 @@
 
 #include <glib.h>
 
+#include "cluster/cluster.h"
 #include "fields.h"
 #include "formats.h"
 #include "json.h"
@@ -179,6 +180,33 @@ static void get_health(const struct pel_http_call *call)
     bool well = !context->stopping && !stuck;
     pel_http_json(call->answer, well ? 200 : 503, g_string_free(out, FALSE));
     call->answer->retry_after_s = well ? 0 : 1;
+}
+
+static bool takes_part(const struct pel_http_context *context)
+{
+    if (!context->cluster) {
+        return true;
+    }
+    Pelagos__Cluster *cluster = pel_cluster_status(context->cluster);
+    bool joined = cluster->role != PELAGOS__CLUSTER_ROLE__JOINING;
+    pelagos__cluster__free_unpacked(cluster, NULL);
+    return joined;
+}
+
+/* Whether clients may be sent here, which is more than to be well. */
+static void get_ready(const struct pel_http_call *call)
+{
+    const struct pel_http_context *context = call->context;
+    const char *status = context->stopping ? "stopping"
+                         : !context->ready ? "starting"
+                         : context->frames && pel_frames_stuck(context->frames)
+                             ? "stuck"
+                         : !takes_part(context) ? "joining"
+                                                : "ready";
+    bool ready = strcmp(status, "ready") == 0;
+    pel_http_json(call->answer, ready ? 200 : 503,
+                  g_strdup_printf("{\"status\":\"%s\"}\n", status));
+    call->answer->retry_after_s = ready ? 0 : 1;
 }
 
 static void get_metrics(const struct pel_http_call *call)

@@ -37,6 +37,7 @@ struct pel_http_context {
     struct pel_claims *claims; /* what they have under way; NULL: any */
     size_t body_limit;         /* bytes; eight times that for /v1/surface */
     bool stopping;             /* /healthz says so */
+    bool ready;                /* /readyz does */
 };
 
 enum pel_http_kind {

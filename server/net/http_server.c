@@ -81,8 +81,10 @@ static bool describe(struct client *client, const char *method,
 static bool is_health(const struct pel_http_request *request)
 {
     size_t path = strcspn(request->target, "?");
-    return path == strlen("/healthz") &&
-           strncmp(request->target, "/healthz", path) == 0;
+    return (path == strlen("/healthz") &&
+            strncmp(request->target, "/healthz", path) == 0) ||
+           (path == strlen("/readyz") &&
+            strncmp(request->target, "/readyz", path) == 0);
 }
 
 static enum MHD_Result take_head(struct client *client, const char *method)
@@ -642,6 +644,11 @@ void pel_http_server_destroy(struct pel_http_server *server)
 bool pel_http_server_starved(struct pel_http_server *server)
 {
     return pel_http_share_starved(server);
+}
+
+void pel_http_server_ready(struct pel_http_server *server)
+{
+    server->context.ready = true;
 }
 
 void pel_http_server_stop(struct pel_http_server *server)

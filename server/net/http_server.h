@@ -30,6 +30,9 @@ bool pel_http_server_accept(struct pel_http_server *server, int fd,
 /* As pel_listener_on_starved wants it. */
 bool pel_http_server_starved(struct pel_http_server *server);
 
+/* From now on /readyz says that clients may be sent here. */
+void pel_http_server_ready(struct pel_http_server *server);
+
 /* From now on /healthz says that the server stops, and other requests that
  * are new are refused with 503. */
 void pel_http_server_stop(struct pel_http_server *server);

@@ -2,6 +2,7 @@
 
 #include <malloc.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -114,6 +115,34 @@ static bool accept_unix(void *user, int fd, const struct sockaddr *address,
 
 /* --- metrics -------------------------------------------------------------- */
 
+/* When this process began, UTC; 0: not known. */
+static double process_start_s(void)
+{
+    static double start_s;
+    char text[1024];
+    double up_s = 0, ticks = 0;
+    FILE *stat = start_s > 0 ? NULL : fopen("/proc/self/stat", "re");
+    FILE *uptime = stat ? fopen("/proc/uptime", "re") : NULL;
+    /* The name in brackets may hold anything; the start is the 20th after. */
+    char *at =
+        stat && fgets(text, sizeof text, stat) ? strrchr(text, ')') : NULL;
+    for (int i = 0; at && i < 20; i++) {
+        at = strchr(at + 1, ' ');
+    }
+    ticks = at ? strtod(at, NULL) : 0;
+    if (uptime && ticks > 0 && fscanf(uptime, "%lf", &up_s) == 1) {
+        start_s = (double)g_get_real_time() * 1e-6 - up_s +
+                  ticks / (double)sysconf(_SC_CLK_TCK);
+    }
+    if (uptime) {
+        fclose(uptime);
+    }
+    if (stat) {
+        fclose(stat);
+    }
+    return start_s;
+}
+
 static void collect_process(struct pel_metrics_page *page)
 {
     long pages = 0, resident = 0;
@@ -125,6 +154,18 @@ static void collect_process(struct pel_metrics_page *page)
     }
     if (file) {
         fclose(file);
+    }
+    pel_metric(page, "process_virtual_memory_bytes", PEL_METRIC_GAUGE,
+               "Virtual memory.", NULL,
+               (double)pages * (double)sysconf(_SC_PAGESIZE));
+    pel_metric(page, "process_start_time_seconds", PEL_METRIC_GAUGE,
+               "When the process began, in seconds since 1970, UTC.", NULL,
+               process_start_s());
+    struct rlimit descriptors;
+    if (getrlimit(RLIMIT_NOFILE, &descriptors) == 0) {
+        pel_metric(page, "process_max_fds", PEL_METRIC_GAUGE,
+                   "File descriptors that may be open.", NULL,
+                   (double)descriptors.rlim_cur);
     }
     struct mallinfo2 heap = mallinfo2();
     pel_metric(page, "process_heap_bytes", PEL_METRIC_GAUGE,
@@ -393,6 +434,13 @@ static gboolean drain(gpointer user)
     net->drain.timer = 0;
     net->drain.done(net->drain.user);
     return G_SOURCE_REMOVE;
+}
+
+void pel_net_ready(struct pel_net *net)
+{
+    if (net->http) {
+        pel_http_server_ready(net->http);
+    }
 }
 
 void pel_net_drain(struct pel_net *net, int within_ms, void (*done)(void *user),

@@ -93,6 +93,9 @@ PEL_CHECK enum pel_err pel_net_create(const struct pel_net_options *options,
  * now, end; those of other tokens notice nothing. */
 void pel_net_reload(struct pel_net *net);
 
+/* The first picture is drawn: /readyz says that clients may be sent here. */
+void pel_net_ready(struct pel_net *net);
+
 /* Refuses new clients and new requests from now on; `done` is called once no
  * request is under way (streams and idle clients do not count), or within_ms
  * later. */
