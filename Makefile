@@ -743,7 +743,7 @@ FUZZ_SECONDS ?= 60
 # What a target needs beside the server: sources and libraries of readers.
 FUZZ_WITH_fuzz_coast := server/continents/reader/coastlines.c
 FUZZ_LIBS_fuzz_coast = $(SPECTRUM_LIBS)
-FUZZ_WITH_fuzz_spectrum := $(addprefix server/ocean/reader/,netcdfform.c shelf.c buoy.c datawell.c spotter.c)
+FUZZ_WITH_fuzz_spectrum := $(addprefix server/ocean/reader/,netcdfform.c buoy.c datawell.c spotter.c)
 FUZZ_LIBS_fuzz_spectrum = $(SPECTRUM_LIBS)
 FUZZ_WITH_fuzz_forecast := $(addprefix server/weather/reader/,axis.c calendar.c gribfile.c names.c netcdfaxes.c netcdffile.c units.c) server/seabed/reader/hdf5.c
 FUZZ_LIBS_fuzz_forecast = $(WEATHER_LIBS)

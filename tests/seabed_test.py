@@ -579,6 +579,48 @@ class Meanings(unittest.TestCase):
         self.refused(self.netcdf(lons=uneven), "lon are not equal steps",
                      "cdo")
 
+    def test_rotated_pole(self):
+        path = self.netcdf()
+        with netCDF4.Dataset(path, "a") as d:
+            d["lon"].standard_name = "grid_longitude"
+            d["lat"].standard_name = "grid_latitude"
+            d["lon"].units = d["lat"].units = "degrees"
+        self.refused(path, "rotated pole", "cdo")
+
+    def test_projected(self):
+        """In metres by a grid mapping; kilometres are refused."""
+        lons = 1000.0 * np.arange(400, 420)
+        lats = 1000.0 * np.arange(5750, 5770)
+        grid = 30 + 0.001 * (lons[None, :] - 410e3) + 0 * lats[:, None]
+        for scale in (1, 1e-3):
+            for order in (("lat", "lon"), ("lon", "lat")):
+                path = self.netcdf(-grid, lons=lons * scale, order=order,
+                                   lats=lats * scale, grid_mapping="crs")
+                with netCDF4.Dataset(path, "a") as d:
+                    for axis, name in (("lon", "projection_x_coordinate"),
+                                       ("lat", "projection_y_coordinate")):
+                        d[axis].standard_name = name
+                        d[axis].units = "m" if scale == 1 else "km"
+                    d.createVariable("crs", "i4").setncatts({
+                        "grid_mapping_name": "transverse_mercator",
+                        "longitude_of_central_meridian": 3.0,
+                        "latitude_of_projection_origin": 0.0,
+                        "scale_factor_at_central_meridian": 0.9996,
+                        "false_easting": 5e5, "false_northing": 0.0,
+                        "semi_major_axis": 6378137.0,
+                        "inverse_flattening": 298.257223563})
+                if scale == 1:
+                    # 410 km, 5760 km of UTM's zone 31
+                    lon, lat = map(float, subprocess.run(
+                        ["gdaltransform", "-s_srs", "EPSG:32631", "-t_srs",
+                         "EPSG:4326", "-output_xy"], input="410000 5760000",
+                        capture_output=True, text=True, check=True,
+                        timeout=SLOW_S).stdout.split())
+                    self.is_at(path, -30, at=(lat, lon))
+                    self.is_at(path, -32, at=(lat, lon), east=2000)
+                else:
+                    self.refused(path, '"km"', "ncap2")
+
     def test_scaled(self):
         path = self.netcdf(name="z", scale_factor=0.5, add_offset=3.0,
                            units="ft", positive="down")

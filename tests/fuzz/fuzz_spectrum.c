@@ -10,10 +10,10 @@
 #include "fuzz_file.h"
 #include "fuzz_kept.h"
 #include "ocean/ndbc.h"
-#include "ocean/reader/shelf.h"
 
 #define calloc(n, s) fuzz_keep(calloc(n, s))
 #define free(p) fuzz_drop(p)
+#include "ocean/reader/shelf.c"     /* NOLINT(bugprone-suspicious-include) */
 #include "ocean/reader/textforms.c" /* NOLINT(bugprone-suspicious-include) */
 #undef calloc
 #undef free
@@ -91,6 +91,12 @@ static enum pel_err read_form(char form, const struct pel_want *want,
         made = fuzz_netcdf(data, size, NC_CLOBBER);
         return made ? pel_read_netcdf(made, want, out, unix_s, fault)
                     : pel_fault_set(fault, PEL_ERR_INVALID, "no such file");
+    case 'D':
+        return pel_read_datawell(fuzz_file(data, size), want, out, unix_s,
+                                 fault);
+    case 'J':
+        return pel_read_spotter(fuzz_file(data, size), want, out, unix_s,
+                                fault);
     case 'H':
         put_files(data, size, "tst", years, 5);
         snprintf(path, sizeof path, "%s/tst%s", folder(), years[0]);

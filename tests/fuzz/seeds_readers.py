@@ -85,7 +85,47 @@ def buoy(drop="", station="station 1"):
     return "\n".join(x for x in lines if not (drop and drop in x))
 
 
+def datawell(head="5\n200\n8\n3.6\n18\n15\n7\n0\n0\n0\n90\n66\n",
+             band="1.0,210.0,36.0,0.00,3.00"):
+    return head + "".join(f"0.{k}5,{band}\n" for k in range(1, 5))
+
+
+def spotter(more="", **change):
+    rows = {"frequency": "[0.1,0.2,0.3]", "varianceDensity": "[1,2,\"1\"]",
+            "a1": "[0.4,0.4,0.4]", "b1": "[0.7,0.7,0.7]",
+            "a2": "[-0.2,null,0]", "b2": "[0.4,0.4,0.4]",
+            "direction": "[210,210,210]", "directionalSpread": "[36,36,36]",
+            "timestamp": '"2026-06-21T12:00:00.000Z"', "latitude": "52.5",
+            "longitude": "5.1", **change}
+    return ('{"data":{"waves":[],"frequencyData":[{' + ",".join(
+        f'"{k}":{v}' for k, v in rows.items() if v) + "}" + more
+        + '],"spotterId":"SPOT-1"}}')
+
+
+def new_seeds():
+    """Of buoys' own forms."""
+    spts = [datawell(), datawell("PTR\n5\n200\n8\n3.6\n"), datawell("x\ny\n"),
+            datawell("5\n0\n8\n3\n"), datawell("5\n"), datawell(band="1,210"),
+            datawell(band="0,210,36"), datawell(band="-1,999,80,2,9"),
+            datawell(band="1,210,36,x"), datawell(band="1e300,1,1,1e9,1e9"),
+            datawell() * 50]
+    for i, text in enumerate(spts):
+        yield f"spt-{i}", f"D- nan\n{text}"
+    jsons = [spotter(), spotter(a1="", b1=""), spotter(a2="", b2=""),
+             spotter(direction="[30,30,30]"), spotter(frequency="[1]"),
+             spotter(varianceDensity="[null,null,null]"), spotter(",{}"),
+             spotter(timestamp='"2026-06-21T12:00+02:00"'), "[" * 40, "{",
+             spotter(timestamp='"x"'), spotter(frequency='["x"]'),
+             spotter("," + spotter()), spotter(frequency="[]"), '{"a":"\\"',
+             '{"a":1,}', "[1,2", '{"spotterId":"a","x":[{}]}',
+             spotter(frequency="[" + "1," * 200 + "1]")]
+    for i, text in enumerate(jsons):
+        for k, want in enumerate(("- nan", "SPOT-1 1782043200", "x 0")):
+            yield f"spotter-{i}-{k}", f"J{want}\n{text}"
+
+
 def spectrum_seeds():
+    yield from new_seeds()
     swans = [swan(), swan(places="LOCATIONS\n 1\n 1 2\n",
                           records="20161011.120000\nZERO\n"),
              swan(time="", records="ZERO\nZERO\n"), swan(head="SWAM\n"),

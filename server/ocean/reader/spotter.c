@@ -306,9 +306,9 @@ enum pel_err pel_read_spotter(const char *path, const struct pel_want *want,
     static struct pel_place places[MOST_RECORDS];
     static double times[MOST_RECORDS];
     static struct pel_bands bands;
-    struct json j = { .p = pel_shelf_text(path) };
-    j.records = calloc(MOST_RECORDS, sizeof *j.records);
-    if (!j.p || !j.records || !value(&j, MOST_DEPTH)) {
+    static struct record records[MOST_RECORDS];
+    struct json j = { .p = pel_shelf_text(path), .records = records };
+    if (!j.p || !value(&j, MOST_DEPTH)) {
         return pel_fault_set(fault, PEL_ERR_MALFORMED, "no JSON: %s",
                              j.wrong ? j.wrong : "it cannot be read");
     }

@@ -302,12 +302,23 @@ static enum pel_err replace(GDALDatasetH *set, const double t[6],
     return PEL_OK;
 }
 
-/* Kilometres of projected coordinates, which GDAL takes for the CRS's unit. */
-static enum pel_err check_unit(GDALDimensionH dim, struct pel_fault *fault)
+/* Kilometres of projected coordinates, which GDAL takes for the CRS's unit, and
+ * degrees of a grid whose pole is elsewhere, which look like any. */
+static enum pel_err check_unit(GDALDimensionH dim, bool has_frame,
+                               struct pel_fault *fault)
 {
     GDALMDArrayH v = GDALDimensionGetIndexingVariable(dim);
-    char unit[48];
+    char unit[48], standard[48];
     attribute(v, "units", unit, sizeof unit);
+    attribute(v, "standard_name", standard, sizeof standard);
+    if (!has_frame && strncmp(standard, "grid_", 5) == 0) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "its %.40s are of a rotated pole that the file "
+                             "does not name by a grid mapping: bring it to "
+                             "latitude and longitude, as by cdo "
+                             "remapbil,GRID FILE OUT",
+                             GDALDimensionGetName(dim));
+    }
     if (*unit == '\0' && v) {
         snprintf(unit, sizeof unit, "%s", GDALMDArrayGetUnit(v));
     }
@@ -357,8 +368,9 @@ enum pel_err pel_raster_open_netcdf(const char *path, GDALDatasetH *out,
         return err; /* for GDAL's own way, if it is none of the above */
     }
     err = check_rest(&a, fault);
-    err = err ? err : check_unit(a.dims[a.east], fault);
-    err = err ? err : check_unit(a.dims[a.north], fault);
+    bool has_frame = GDALMDArrayGetSpatialRef(a.is) != NULL;
+    err = err ? err : check_unit(a.dims[a.east], has_frame, fault);
+    err = err ? err : check_unit(a.dims[a.north], has_frame, fault);
     if (err) {
         return err;
     }
