@@ -212,7 +212,9 @@ enum pel_err pel_cf_time(const char *units, const char *calendar, double value,
     }
     double seconds = value * unit + r.second;
     if (!(fabs(seconds) < 9e11)) {
-        return cannot(units, fault);
+        return pel_fault_set(
+            fault, PEL_ERR_INVALID,
+            "its fields have no time that can be read: %g %.80s", value, units);
     }
     double days = floor(seconds / DAY_S);
     long day = number_of(c, r.year, r.month, r.day) + (long)days - UNIX_DAY;

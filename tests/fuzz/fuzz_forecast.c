@@ -76,10 +76,9 @@ static void name_kind(char *text)
         demand((unsigned)kind.number < PEL_FORECAST_NUMBERS &&
                kind.factor != 0 && pel_forecast_name_of(kind.number));
     }
-    for (int q = PEL_FORECAST_MPS; part[0] && q <= PEL_FORECAST_DEG; q++) {
+    for (int q = PEL_CF_MPS; part[0] && q <= PEL_CF_DEG; q++) {
         double factor = 0;
-        if (pel_forecast_unit(part[0], (enum pel_forecast_quantity)q,
-                              &factor)) {
+        if (pel_cf_unit(part[0], (enum pel_cf_quantity)q, &factor)) {
             demand(factor >= 0);
         }
     }
@@ -91,8 +90,7 @@ static void name_time(char *text)
     struct pel_fault fault;
     double unix_s = 0, value = strtod(text, &text);
     const char *units = strsep(&text, "|");
-    if (!pel_forecast_time(units + (*units == ' '), text, value, &unix_s,
-                           &fault)) {
+    if (!pel_cf_time(units + (*units == ' '), text, value, &unix_s, &fault)) {
         demand(isfinite(unix_s));
     }
 }

@@ -268,11 +268,11 @@ static enum pel_err choose_waves(struct pel_forecast_file *file,
 static bool is_possible(const struct pel_forecast_kind *kind, double v)
 {
     switch (kind->quantity) {
-    case PEL_FORECAST_MPS:
+    case PEL_CF_MPS:
         return fabs(v) <= 120 && (kind->number != PEL_FORECAST_SPEED || v >= 0);
-    case PEL_FORECAST_DEG:
+    case PEL_CF_DEG:
         return fabs(v) <= 720;
-    case PEL_FORECAST_HZ:
+    case PEL_CF_HZ:
         return v >= 0;
     default:
         return v >= -0.1 && v <= 31.9;
@@ -282,11 +282,11 @@ static bool is_possible(const struct pel_forecast_kind *kind, double v)
 static double ours(const struct pel_forecast_kind *kind, double v)
 {
     switch (kind->quantity) {
-    case PEL_FORECAST_DEG:
+    case PEL_CF_DEG:
         return remainder(v * kind->factor + kind->offset, 360) * (M_PI / 180);
-    case PEL_FORECAST_HZ:
+    case PEL_CF_HZ:
         return v > 0 ? 1 / v : NAN;
-    case PEL_FORECAST_MPS:
+    case PEL_CF_MPS:
         return v;
     default:
         return fmax(v * kind->factor, 0);
@@ -311,15 +311,15 @@ static enum pel_err read_slice(struct pel_forecast_file *file,
                                  "%s (%s) at %s has %g, which cannot be; a "
                                  "fill value that is not declared?",
                                  pel_forecast_name_of(s->kind.number), s->label,
-                                 pel_forecast_when(s->unix_s, at), v);
+                                 pel_cf_when(s->unix_s, at), v);
         }
         plane[i] = ours(&s->kind, v);
-        if (s->kind.quantity == PEL_FORECAST_HZ && plane[i] > 31.9) {
+        if (s->kind.quantity == PEL_CF_HZ && plane[i] > 31.9) {
             return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
                                  "%s (%s) at %s has a period of %g s, which "
                                  "cannot be",
                                  pel_forecast_name_of(s->kind.number), s->label,
-                                 pel_forecast_when(s->unix_s, at), plane[i]);
+                                 pel_cf_when(s->unix_s, at), plane[i]);
         }
     }
     if (!err && s->kind.remark) {
@@ -361,7 +361,7 @@ static enum pel_err read_at(struct pel_forecast_file *file,
     if (!best) {
         return pel_fault_set(fault, PEL_ERR_INVALID, "it has no %s at %s",
                              pel_forecast_name_of(g->numbers[k]),
-                             pel_forecast_when(unix_s, at));
+                             pel_cf_when(unix_s, at));
     }
     enum pel_err err = read_slice(file, best, planes, fault);
     for (size_t i = (size_t)(best - file->slices) + 1; !err && i < file->count;
@@ -377,9 +377,9 @@ static enum pel_err read_at(struct pel_forecast_file *file,
                 fault, PEL_ERR_INVALID,
                 "at %s it has two different fields of one run (%s): %s and "
                 "%s; keep one",
-                pel_forecast_when(unix_s, at),
-                best->run_s > -PEL_FORECAST_MOST_UNIX_S
-                    ? pel_forecast_when(best->run_s, run)
+                pel_cf_when(unix_s, at),
+                best->run_s > -PEL_CF_MOST_UNIX_S
+                    ? pel_cf_when(best->run_s, run)
                     : "of no date",
                 best->label, s->label);
         }

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "base/cf.h"
 #include "base/err.h"
 #include "weather/weather.h"
 
@@ -14,15 +15,6 @@ enum {
     PEL_FORECAST_SPEED = PEL_WEATHER_NUMBERS, /* of the wind at 10 m, m/s */
     PEL_FORECAST_WIND_WAY,                    /* it blows to, rad from east */
     PEL_FORECAST_NUMBERS
-};
-
-/* What a number is of. */
-enum pel_forecast_quantity {
-    PEL_FORECAST_MPS,
-    PEL_FORECAST_M,
-    PEL_FORECAST_S,
-    PEL_FORECAST_HZ,
-    PEL_FORECAST_DEG,
 };
 
 /* Which surface or height a number is of. */
@@ -36,7 +28,7 @@ enum pel_forecast_height {
 struct pel_forecast_kind {
     int number;
     int rank; /* of several kinds of a number that with the least counts */
-    enum pel_forecast_quantity quantity; /* of the file's numbers */
+    enum pel_cf_quantity quantity; /* of the file's numbers */
     enum pel_forecast_height height;
     double factor; /* from the quantity's unit above to ours; of frequencies to
                     * the period */
@@ -57,26 +49,6 @@ bool pel_forecast_kind_of(const struct pel_forecast_name *name,
                           struct pel_forecast_kind *out);
 /* What people call a number, and files. */
 const char *pel_forecast_name_of(int number);
-
-/* The factor from a unit, as NetCDF files write it ("m s**-1", "knots",
- * "degree true"), to that of the quantity. False: it is unknown, or of another
- * quantity. */
-bool pel_forecast_unit(const char *unit, enum pel_forecast_quantity quantity,
-                       double *factor);
-/* Seconds in a unit of time; 0: it is none of a steady length. */
-double pel_forecast_unit_s(const char *unit, size_t length);
-
-/* Seconds since 1970 of `value` in CF's "UNIT since TIME" by a calendar (NULL:
- * CF's default, the Julian before 15 October 1582 and the Gregorian after),
- * to the millisecond. INVALID: it is not that; the day is none of ours. */
-#define PEL_FORECAST_MOST_UNIX_S 1e11
-PEL_CHECK enum pel_err pel_forecast_time(const char *units,
-                                         const char *calendar, double value,
-                                         double *unix_s,
-                                         struct pel_fault *fault);
-/* Seconds since 1970 of a Gregorian day; the year at most 9999 from 0. */
-double pel_forecast_day_s(long year, long month, long day);
-const char *pel_forecast_when(double unix_s, char out[32]);
 
 /* Coordinates of a grid's nodes with equal steps. */
 struct pel_forecast_axis {

@@ -247,12 +247,12 @@ static bool time_of(codes_handle *h, long edition,
         day > 31 || (step != 0 && one == 0)) {
         return false;
     }
-    slice->run_s = pel_forecast_day_s(year, month, day) +
+    slice->run_s = pel_cf_day_s(year, month, day) +
                    3600.0 * (double)number(h, "hour", 0) +
                    60.0 * (double)number(h, "minute", 0) +
                    (double)(edition == 2 ? number(h, "second", 0) : 0);
     slice->unix_s = slice->run_s + one * (double)step;
-    return fabs(slice->unix_s) < PEL_FORECAST_MOST_UNIX_S;
+    return fabs(slice->unix_s) < PEL_CF_MOST_UNIX_S;
 }
 
 /* --- its grid --------------------------------------------------------------

@@ -13,17 +13,17 @@
 
 enum from { AS_IS, COMES_FROM, GOES_TO };
 
-#define MPS PEL_FORECAST_MPS
-#define METRES PEL_FORECAST_M
-#define SECONDS PEL_FORECAST_S
-#define DEGREES PEL_FORECAST_DEG
+#define MPS PEL_CF_MPS
+#define METRES PEL_CF_M
+#define SECONDS PEL_CF_S
+#define DEGREES PEL_CF_DEG
 #define WIND PEL_FORECAST_AT_10_M
 #define SEA PEL_FORECAST_AT_SEA
 #define SWELL PEL_FORECAST_IN_SEQUENCE
 
 static const struct row {
     int number, rank;
-    enum pel_forecast_quantity quantity;
+    enum pel_cf_quantity quantity;
     enum pel_forecast_height height;
     enum from from; /* of directions, in compass degrees */
     double factor;
@@ -114,7 +114,7 @@ static const struct row {
       NULL },
     { PEL_WEATHER_PERIOD,
       0,
-      PEL_FORECAST_HZ,
+      PEL_CF_HZ,
       SEA,
       AS_IS,
       1,

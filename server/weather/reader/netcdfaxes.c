@@ -157,15 +157,14 @@ static enum pel_err convert(int id, int variable, enum pel_netcdf_role role,
     case PEL_NETCDF_TIME:
     case PEL_NETCDF_RUN:
         for (size_t i = 0; i < count; i++) {
-            enum pel_err err =
-                pel_forecast_time(units, calendar, v[i], &v[i], fault);
+            enum pel_err err = pel_cf_time(units, calendar, v[i], &v[i], fault);
             if (err) {
                 return err;
             }
         }
         return PEL_OK;
     case PEL_NETCDF_STEP:
-        factor = pel_forecast_unit_s(units, strlen(units));
+        factor = pel_cf_unit_s(units, strlen(units));
         if (!(factor > 0)) {
             return pel_fault_set(fault, PEL_ERR_INVALID,
                                  "its steps (%.40s) are in \"%.60s\", which is "
@@ -177,7 +176,7 @@ static enum pel_err convert(int id, int variable, enum pel_netcdf_role role,
     case PEL_NETCDF_LONGITUDE:
         if (*units && !strstr(units, "north") && !strstr(units, "east") &&
             strncasecmp(units, "degree", 6) != 0 &&
-            !pel_forecast_unit(units, PEL_FORECAST_DEG, &factor)) {
+            !pel_cf_unit(units, PEL_CF_DEG, &factor)) {
             return pel_fault_set(fault, PEL_ERR_INVALID,
                                  "its %.40s is in \"%.60s\", which is no unit "
                                  "of degrees",
@@ -185,7 +184,7 @@ static enum pel_err convert(int id, int variable, enum pel_netcdf_role role,
         }
         break;
     case PEL_NETCDF_HEIGHT:
-        (void)pel_forecast_unit(units, PEL_FORECAST_M, &factor);
+        (void)pel_cf_unit(units, PEL_CF_M, &factor);
         break;
     default:
         break;
@@ -260,7 +259,7 @@ bool pel_netcdf_metres(int id, int variable, char unit[24])
 {
     double factor;
     bool told = pel_netcdf_text(id, variable, "units", unit, 24);
-    bool metres = !told || pel_forecast_unit(unit, PEL_FORECAST_M, &factor);
+    bool metres = !told || pel_cf_unit(unit, PEL_CF_M, &factor);
     if (metres) {
         snprintf(unit, 24, "m");
     }

@@ -136,7 +136,7 @@ static enum pel_err check_title(const struct set *s, const struct variable *v,
     char title[160], standard[80];
     pel_netcdf_text(s->id, v->id, "standard_name", standard, sizeof standard);
     pel_netcdf_text(s->id, v->id, "long_name", title, sizeof title);
-    if (kind->quantity != PEL_FORECAST_DEG ||
+    if (kind->quantity != PEL_CF_DEG ||
         (*standard && strcmp(standard, "unknown") != 0)) {
         return PEL_OK;
     }
@@ -158,17 +158,17 @@ static enum pel_err take_unit(struct pel_forecast_file *file,
                               const struct pel_forecast_kind *kind,
                               struct pel_fault *fault)
 {
-    static const char *const ours[] = { [PEL_FORECAST_MPS] = "m s-1",
-                                        [PEL_FORECAST_M] = "m",
-                                        [PEL_FORECAST_S] = "s",
-                                        [PEL_FORECAST_HZ] = "Hz",
-                                        [PEL_FORECAST_DEG] = "degree" };
+    static const char *const ours[] = { [PEL_CF_MPS] = "m s-1",
+                                        [PEL_CF_M] = "m",
+                                        [PEL_CF_S] = "s",
+                                        [PEL_CF_HZ] = "Hz",
+                                        [PEL_CF_DEG] = "degree" };
     char units[80];
     v->factor = 1;
     if (!pel_netcdf_text(s->id, v->id, "units", units, sizeof units)) {
         pel_forecast_note(file, "%.40s has no units: %s is taken", v->name,
                           ours[kind->quantity]);
-    } else if (!pel_forecast_unit(units, kind->quantity, &v->factor)) {
+    } else if (!pel_cf_unit(units, kind->quantity, &v->factor)) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "%.40s is in \"%.40s\", which is not read for it: "
                              "convert it, or set what it is in, as by "
@@ -447,8 +447,8 @@ static enum pel_err times_of(const struct set *s, const struct variable *v,
     }
     run = isnan(run) ? scalar[1] : run;
     out->unix_s = time;
-    out->run_s = isnan(run) ? -PEL_FORECAST_MOST_UNIX_S : run;
-    return fabs(time) < PEL_FORECAST_MOST_UNIX_S
+    out->run_s = isnan(run) ? -PEL_CF_MOST_UNIX_S : run;
+    return fabs(time) < PEL_CF_MOST_UNIX_S
                ? PEL_OK
                : pel_fault_set(fault, PEL_ERR_INVALID,
                                "%.40s has no time: NetCDF needs a variable "
