@@ -459,6 +459,61 @@ enum MHD_Result pel_http_send_series(struct client *client,
     return wait_on(client, waiter, err, &fault);
 }
 
+static void answer_exercise(struct pel_http_answer *answer,
+                            Pelagos__ExerciseStatus *status)
+{
+    Pelagos__Exercise **exercise = answer->shows == PEL_HTTP_SAVED
+                                       ? &answer->exercise->exercise
+                                       : &status->exercise;
+    if (answer->shows == PEL_HTTP_STATUS_OF) {
+        pel_http_message(answer, 200, &status->base, false);
+        return;
+    }
+    if (answer->shows == PEL_HTTP_NOTHING) {
+        answer->status = 204;
+    } else {
+        pel_http_message(answer, 200, &g_steal_pointer(exercise)->base, true);
+    }
+    pelagos__exercise_status__free_unpacked(status, NULL);
+}
+
+static void on_exercise(void *user, enum pel_err err,
+                        const struct pel_fault *fault,
+                        Pelagos__ExerciseStatus *status, bool edited)
+{
+    struct waiter *waiter = user;
+    struct pel_http_answer *answer = waiter->ready;
+    int not_found = err == PEL_ERR_NOT_FOUND ? answer->not_found : 0;
+    struct client *client = pel_http_wait_end(waiter);
+    if (err) {
+        pel_http_problem(answer, not_found, fault);
+    } else {
+        answer_exercise(answer, status);
+    }
+    if (client) {
+        client->server->malformed += answer->status == 400;
+        (void)(edited ? pel_http_send_sealed(client, answer)
+                      : pel_http_send(client, answer));
+        pel_http_resume(client);
+    } else {
+        pel_http_answer_finish(answer);
+    }
+    g_free(answer);
+}
+
+enum MHD_Result pel_http_send_exercise(struct client *client,
+                                       struct pel_http_answer *answer)
+{
+    struct waiter *waiter = pel_http_wait_begin(client);
+    waiter->ready = g_memdup2(answer, sizeof *answer);
+    pel_exercises_ask(client->server->context.exercises, answer->exercise,
+                      on_exercise, waiter);
+    if (client->waiting) {
+        pel_http_suspend(client);
+    }
+    return MHD_YES;
+}
+
 static void on_models(void *user, enum pel_err err,
                       const struct pel_fault *fault,
                       const Pelagos__Models *answer)

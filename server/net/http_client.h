@@ -80,7 +80,8 @@ struct waiter {
     struct pel_series_job *series; /* or NULL */
     int not_found;     /* status of that error here; 0: as everywhere */
     bool if_unchanged; /* an edit of the present revision, or of none */
-    struct pel_http_answer *ready; /* waits for its seal; else NULL */
+    struct pel_http_answer *ready; /* waits for its seal, or for what it is to
+                                    * say of exercises; else NULL */
     struct pel_claim claim;
 };
 
@@ -190,6 +191,9 @@ enum MHD_Result pel_http_send_almanac(struct client *client,
                                       struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_place(struct client *client,
                                     struct pel_http_answer *answer);
+/* Commands of exercises, whose files a thread reads. */
+enum MHD_Result pel_http_send_exercise(struct client *client,
+                                       struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_series(struct client *client,
                                      struct pel_http_answer *answer);
 /* Files of a spectrum as a POSIX tar; g_free(). http_tar.c */

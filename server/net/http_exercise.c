@@ -34,12 +34,22 @@ static Pelagos__ExerciseStatus *ask(const struct pel_http_call *call,
     return err ? NULL : status;
 }
 
-static void answer(const struct pel_http_call *call,
-                   Pelagos__ExerciseStatus *status)
+/* The command, which is taken over, is to be carried out. */
+static void carry_out(const struct pel_http_call *call,
+                      Pelagos__ExerciseCommand *command, int not_found,
+                      int shows)
 {
-    if (status) {
-        pel_http_message(call->answer, 200, &status->base, false);
+    struct pel_fault fault;
+    if (call->context->exercises) {
+        call->answer->kind = PEL_HTTP_EXERCISE;
+        call->answer->exercise = command;
+        call->answer->not_found = not_found;
+        call->answer->shows = shows;
+        return;
     }
+    pelagos__exercise_command__free_unpacked(command, NULL);
+    pel_fault_set(&fault, PEL_ERR_NOT_FOUND, "there are no exercises here");
+    pel_http_refuse(call, not_found, &fault);
 }
 
 /* A command about what the URL names. */
@@ -55,11 +65,17 @@ static Pelagos__ExerciseCommand about(const struct pel_http_call *call,
     return command;
 }
 
+static void carry_out_about(const struct pel_http_call *call,
+                            Pelagos__ExerciseAction action, int shows)
+{
+    const Pelagos__ExerciseCommand command = about(call, action);
+    carry_out(call, (Pelagos__ExerciseCommand *)pel_message_copy(&command.base),
+              404, shows);
+}
+
 void pel_http_get_exercise(const struct pel_http_call *call)
 {
-    Pelagos__ExerciseCommand command =
-        about(call, PELAGOS__EXERCISE_ACTION__STATUS);
-    answer(call, ask(call, &command, 404));
+    carry_out_about(call, PELAGOS__EXERCISE_ACTION__STATUS, PEL_HTTP_STATUS_OF);
 }
 
 void pel_http_post_exercise(const struct pel_http_call *call)
@@ -72,8 +88,8 @@ void pel_http_post_exercise(const struct pel_http_call *call)
         pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
         return;
     }
-    answer(call, ask(call, (Pelagos__ExerciseCommand *)message, 400));
-    protobuf_c_message_free_unpacked(message, NULL);
+    carry_out(call, (Pelagos__ExerciseCommand *)message, 400,
+              PEL_HTTP_STATUS_OF);
 }
 
 void pel_http_get_cluster(const struct pel_http_call *call)
@@ -139,21 +155,12 @@ void pel_http_get_placed(const struct pel_http_call *call)
 
 void pel_http_get_exercises(const struct pel_http_call *call)
 {
-    Pelagos__ExerciseCommand command =
-        about(call, PELAGOS__EXERCISE_ACTION__LIST);
-    answer(call, ask(call, &command, 404));
+    carry_out_about(call, PELAGOS__EXERCISE_ACTION__LIST, PEL_HTTP_STATUS_OF);
 }
 
 void pel_http_get_one_exercise(const struct pel_http_call *call)
 {
-    Pelagos__ExerciseCommand command =
-        about(call, PELAGOS__EXERCISE_ACTION__SHOW);
-    Pelagos__ExerciseStatus *status = ask(call, &command, 404);
-    if (status) {
-        pel_http_message(call->answer, 200, &status->exercise->base, true);
-        status->exercise = NULL;
-        pelagos__exercise_status__free_unpacked(status, NULL);
-    }
+    carry_out_about(call, PELAGOS__EXERCISE_ACTION__SHOW, PEL_HTTP_EXERCISE_OF);
 }
 
 void pel_http_put_exercise(const struct pel_http_call *call)
@@ -166,27 +173,17 @@ void pel_http_put_exercise(const struct pel_http_call *call)
         pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
         return;
     }
-    Pelagos__ExerciseCommand command =
+    const Pelagos__ExerciseCommand save =
         about(call, PELAGOS__EXERCISE_ACTION__SAVE);
-    command.exercise = (Pelagos__Exercise *)message;
-    Pelagos__ExerciseStatus *status = ask(call, &command, 400);
-    if (status) {
-        pelagos__exercise_status__free_unpacked(status, NULL);
-        pel_http_message(call->answer, 200, message, true);
-    } else {
-        protobuf_c_message_free_unpacked(message, NULL);
-    }
+    Pelagos__ExerciseCommand *command =
+        (Pelagos__ExerciseCommand *)pel_message_copy(&save.base);
+    command->exercise = (Pelagos__Exercise *)message;
+    carry_out(call, command, 400, PEL_HTTP_SAVED);
 }
 
 void pel_http_delete_exercise(const struct pel_http_call *call)
 {
-    Pelagos__ExerciseCommand command =
-        about(call, PELAGOS__EXERCISE_ACTION__DELETE);
-    Pelagos__ExerciseStatus *status = ask(call, &command, 404);
-    if (status) {
-        pelagos__exercise_status__free_unpacked(status, NULL);
-        call->answer->status = 204;
-    }
+    carry_out_about(call, PELAGOS__EXERCISE_ACTION__DELETE, PEL_HTTP_NOTHING);
 }
 
 /* `ship`, and nothing else. */

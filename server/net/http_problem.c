@@ -143,6 +143,10 @@ void pel_http_answer_finish(struct pel_http_answer *answer)
         pelagos__patch__free_unpacked(answer->patch, NULL);
         answer->patch = NULL;
     }
+    if (answer->exercise) {
+        pelagos__exercise_command__free_unpacked(answer->exercise, NULL);
+        answer->exercise = NULL;
+    }
     if (answer->place) {
         pelagos__cluster_place_command__free_unpacked(answer->place, NULL);
         answer->place = NULL;

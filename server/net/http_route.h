@@ -61,6 +61,7 @@ enum pel_http_kind {
     PEL_HTTP_STEP,       /* carry out `step`, answer with the state */
     PEL_HTTP_RECORDINGS, /* list the recordings, answer with JSON */
     PEL_HTTP_PLACE,      /* carry out `place`, answer with the Cluster */
+    PEL_HTTP_EXERCISE,   /* carry out `exercise`, answer as `shows` says */
 };
 
 /* Above so many bytes a body is read, or an answer written, by a thread: less
@@ -104,6 +105,14 @@ struct pel_http_answer {
     Pelagos__SeriesQuery *series;
     Pelagos__Patch *patch;
     Pelagos__ClusterPlaceCommand *place;
+    Pelagos__ExerciseCommand *exercise;
+    enum {
+        PEL_HTTP_STATUS_OF,   /* the ExerciseStatus */
+        PEL_HTTP_EXERCISE_OF, /* the Exercise that it shows */
+        PEL_HTTP_SAVED,       /* the one that was saved */
+        PEL_HTTP_NOTHING,     /* 204 */
+    } shows;
+    int not_found; /* of EXERCISE: status of that error; 0: as everywhere */
     Pelagos__ClockStep step;
     bool if_unchanged; /* of PATCH: If-Match named the state of now */
     char view[PEL_NAME_SIZE];

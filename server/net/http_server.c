@@ -207,6 +207,8 @@ enum MHD_Result pel_http_take(struct client *client)
         return pel_http_send_models(client, &answer);
     case PEL_HTTP_RECORDINGS:
         return pel_http_send_recordings(client, &answer);
+    case PEL_HTTP_EXERCISE:
+        return pel_http_send_exercise(client, &answer);
     case PEL_HTTP_PLACE:
         return pel_http_send_place(client, &answer);
     case PEL_HTTP_STEP:

@@ -528,7 +528,7 @@ static void session_run(void *user, GIOCondition ready)
     bool alive = write_some(self);
     if (self->watch_due && self->out.bytes == 0 && !self->closing) {
         self->watch_due = false;
-        pel_session_send_state(self, self->watch_has_id, self->watch_id);
+        pel_session_send_watched(self);
         alive = alive && write_some(self);
     }
     if (self->closing && alive) {
@@ -591,6 +591,7 @@ void pel_sessions_destroy(struct pel_sessions *all)
     if (all) {
         g_ptr_array_free(all->list, TRUE);
         pel_unpack_finish(&all->unpack);
+        free(all->packed.bytes);
         g_free(all);
     }
 }

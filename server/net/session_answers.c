@@ -1,5 +1,9 @@
 /* Answers of the protobuf sessions: at once, or when they are there. */
+#include <stdlib.h>
+#include <string.h>
+
 #include "base/clock.h"
+#include "base/reserve.h"
 #include "cluster/cluster.h"
 #include "net/command.h"
 #include "net/frame_reply.h"
@@ -9,6 +13,8 @@
 #include "scene/catalogue.h"
 #include "scene/led.h"
 #include "wire.h"
+
+#define SHARED_NS 3000000
 
 /* NULL: the debrief is not open. */
 static struct pel_frames *frames_of(const struct job *job)
@@ -87,6 +93,45 @@ void pel_session_send_state(struct session *self, bool has_id, uint64_t id)
     pel_role_seen(pel_role_of_rank(self->who.rank),
                   pel_scene_state(self->all->scene), &state);
     send_message(self, has_id, id, PELAGOS__REPLY__RESULT_STATE, &state);
+}
+
+/* The state packed, for all who watch: as old as the last one that was sent of
+ * this revision, of 3 ms ago at most. */
+static const struct pel_packed_state *packed(struct pel_sessions *all)
+{
+    struct pel_packed_state *kept = &all->packed;
+    int64_t now_ns = pel_now_ns();
+    const Pelagos__State *state = pel_scene_state(all->scene);
+    if (!kept->bytes || kept->revision != state->revision ||
+        now_ns - kept->at_ns > SHARED_NS) {
+        free(kept->bytes);
+        kept->size = pelagos__state__get_packed_size(state);
+        kept->bytes = pel_sure_malloc(kept->size + 1);
+        pelagos__state__pack(state, kept->bytes);
+        kept->revision = state->revision;
+        kept->at_ns = now_ns;
+    }
+    return kept;
+}
+
+void pel_session_send_watched(struct session *self)
+{
+    const struct pel_packed_state *state = packed(self->all);
+    uint8_t head[2 * (1 + PEL_WIRE_MAX_PREFIX) + 10];
+    size_t before = 0;
+    if (self->watch_has_id) {
+        Pelagos__Reply id = PELAGOS__REPLY__INIT;
+        id.has_id = true;
+        id.id = self->watch_id;
+        before = pelagos__reply__pack(&id, head);
+    }
+    head[before++] = PELAGOS__REPLY__RESULT_STATE << 3 | 2;
+    before += pel_wire_prefix(state->size, head + before);
+    uint8_t *out = pel_sure_malloc(PEL_WIRE_MAX_PREFIX + before + state->size);
+    uint8_t *to = out + pel_wire_prefix(before + state->size, out);
+    memcpy(to, head, before);
+    memcpy(to + before, state->bytes, state->size);
+    send_bytes(self, out, (size_t)(to - out) + before + state->size);
 }
 
 static void send_cluster(struct session *self, bool has_id, uint64_t id)
@@ -419,34 +464,34 @@ static void on_exercise(void *user, enum pel_err err,
     struct job *job = user;
     Pelagos__ExerciseStatus *status = job->exercise;
     send_owed(job, err, fault, PELAGOS__REPLY__RESULT_EXERCISE, status);
-    pelagos__exercise_status__free_unpacked(status, NULL);
+    if (status) {
+        pelagos__exercise_status__free_unpacked(status, NULL);
+    }
+}
+
+static void on_command(void *user, enum pel_err err,
+                       const struct pel_fault *fault,
+                       Pelagos__ExerciseStatus *status, bool edited)
+{
+    struct job *job = user;
+    job->exercise = status;
+    if (!err && edited && job->session &&
+        pel_scene_await(job->session->all->scene, NULL, on_exercise, job)) {
+        return; /* until it is sealed */
+    }
+    on_exercise(job, err, fault);
 }
 
 enum pel_err pel_session_exercise(struct session *self,
                                   const Pelagos__Request *request,
                                   struct pel_fault *fault)
 {
-    struct pel_scene *scene = self->all->scene;
-    uint64_t before = pel_scene_state(scene)->revision;
-    Pelagos__ExerciseStatus *status;
     if (!self->all->exercises) {
         return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
                              "there are no exercises here");
     }
-    enum pel_err err = pel_exercises_command(self->all->exercises,
-                                             request->exercise, &status, fault);
-    if (err) {
-        return err;
-    }
-    if (pel_scene_state(scene)->revision != before && pel_scene_gated(scene)) {
-        struct job *job = owe(self, request);
-        job->exercise = status;
-        (void)pel_scene_await(scene, NULL, on_exercise, job);
-        return PEL_OK;
-    }
-    send_message(self, request->has_id, request->id,
-                 PELAGOS__REPLY__RESULT_EXERCISE, status);
-    pelagos__exercise_status__free_unpacked(status, NULL);
+    pel_exercises_ask(self->all->exercises, request->exercise, on_command,
+                      owe(self, request));
     return PEL_OK;
 }
 

@@ -61,6 +61,14 @@ struct session {
     int64_t active_ns;        /* last request or reply */
 };
 
+/* A state as its bytes. */
+struct pel_packed_state {
+    uint8_t *bytes; /* NULL: none */
+    size_t size;
+    uint64_t revision;
+    int64_t at_ns;
+};
+
 struct pel_sessions {
     struct pel_net_limits limits;
     struct pel_scene *scene;
@@ -73,6 +81,7 @@ struct pel_sessions {
     struct pel_token *token;         /* NULL: none is asked for */
     GPtrArray *list;                 /* of struct session */
     struct pel_unpack unpack;        /* the request being taken */
+    struct pel_packed_state packed;  /* what watchers were sent last */
     bool stopped;
     uint64_t accepted[PEL_TRANSPORT_COUNT], refused[PEL_TRANSPORT_COUNT];
     uint64_t malformed[PEL_TRANSPORT_COUNT], timeouts[PEL_TRANSPORT_COUNT];
@@ -85,6 +94,9 @@ struct pel_sessions {
 void pel_session_send_state(struct session *self, bool has_id, uint64_t id);
 void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
                             const struct pel_fault *fault);
+
+/* The state to one who watches it. */
+void pel_session_send_watched(struct session *self);
 
 /* Answers with the nodes of the exercise. */
 void pel_session_cluster(struct session *self, const Pelagos__Request *request);

@@ -113,14 +113,6 @@ static enum pel_err give_facts(const struct pel_exercise_run *run,
     return PEL_OK;
 }
 
-static enum pel_err need_exercise(const Pelagos__ExerciseCommand *command,
-                                  struct pel_fault *fault)
-{
-    return command->exercise ? PEL_OK
-                             : pel_fault_refuse(PEL_ERR_INVALID, "exercise",
-                                                NULL, "is missing", fault);
-}
-
 /* What was loaded last; NULL: nothing is kept. */
 static Pelagos__Exercise *kept(const struct pel_exercises *all)
 {
@@ -136,21 +128,83 @@ static Pelagos__Exercise *kept(const struct pel_exercises *all)
     return exercise;
 }
 
-static enum pel_err load(struct pel_exercises *all, const char *name,
-                         struct pel_fault *fault)
+/* What a command has to do with files. */
+struct filed {
+    bool done;
+    enum pel_err err;
+    struct pel_fault fault;
+    Pelagos__Exercise *read;         /* of SHOW and LOAD; or NULL */
+    Pelagos__Exercise *before;       /* of LOAD: what was loaded; or NULL */
+    Pelagos__ExerciseStatus *listed; /* of LIST; or NULL */
+};
+
+static enum pel_err need_exercise(const Pelagos__ExerciseCommand *command,
+                                  struct pel_fault *fault)
 {
-    Pelagos__Exercise *exercise;
-    enum pel_err err =
-        pel_exercise_files_read(all->files, name, &exercise, fault);
-    if (err) {
-        return err;
+    return command->exercise ? PEL_OK
+                             : pel_fault_refuse(PEL_ERR_INVALID, "exercise",
+                                                NULL, "is missing", fault);
+}
+
+/* Any thread. */
+static void do_files(const struct pel_exercises *all,
+                     const Pelagos__ExerciseCommand *c, struct filed *out)
+{
+    struct pel_exercise_files *files = all->files;
+    struct pel_fault *fault = &out->fault;
+    out->done = true;
+    switch (c->action) {
+    case PELAGOS__EXERCISE_ACTION__LIST:
+        out->listed = (Pelagos__ExerciseStatus *)pel_message_new(
+            &pelagos__exercise_status__descriptor);
+        pel_exercise_files_list(files, out->listed);
+        break;
+    case PELAGOS__EXERCISE_ACTION__SHOW:
+        out->err = pel_exercise_files_read(files, c->name, &out->read, fault);
+        break;
+    case PELAGOS__EXERCISE_ACTION__LOAD:
+        out->err = pel_exercise_files_read(files, c->name, &out->read, fault);
+        out->before = out->err ? NULL : kept(all);
+        break;
+    case PELAGOS__EXERCISE_ACTION__CHECK:
+        out->err = need_exercise(c, fault);
+        out->err = out->err ? out->err : pel_exercise_check(c->exercise, fault);
+        break;
+    case PELAGOS__EXERCISE_ACTION__SAVE:
+        out->err = need_exercise(c, fault);
+        out->err = out->err ? out->err
+                            : pel_exercise_files_save(files, c->name,
+                                                      c->exercise, fault);
+        break;
+    case PELAGOS__EXERCISE_ACTION__DELETE:
+        out->err = pel_exercise_files_delete(files, c->name, fault);
+        break;
+    default:
+        break;
     }
-    Pelagos__Exercise *before = kept(all);
-    if (before) {
-        pel_exercise_facts_remove(before, all->run.facts_path);
-        pelagos__exercise__free_unpacked(before, NULL);
+}
+
+static void filed_finish(struct filed *filed)
+{
+    if (filed->read) {
+        pelagos__exercise__free_unpacked(filed->read, NULL);
     }
-    return pel_exercise_run_load(&all->run, name, exercise, fault);
+    if (filed->before) {
+        pelagos__exercise__free_unpacked(filed->before, NULL);
+    }
+    if (filed->listed) {
+        pelagos__exercise_status__free_unpacked(filed->listed, NULL);
+    }
+}
+
+static enum pel_err load(struct pel_exercises *all, const char *name,
+                         struct filed *filed, struct pel_fault *fault)
+{
+    if (filed->before) {
+        pel_exercise_facts_remove(filed->before, all->run.facts_path);
+    }
+    return pel_exercise_run_load(&all->run, name, g_steal_pointer(&filed->read),
+                                 fault);
 }
 
 /* Whether it changes the scene, and not just files. */
@@ -164,29 +218,24 @@ static bool edits(Pelagos__ExerciseAction action)
 }
 
 static enum pel_err act(struct pel_exercises *all,
-                        const Pelagos__ExerciseCommand *c,
-                        Pelagos__Exercise **shown, struct pel_fault *fault)
+                        const Pelagos__ExerciseCommand *c, struct filed *filed,
+                        struct pel_fault *fault)
 {
     enum pel_err err =
         edits(c->action) ? pel_scene_refuse_led(all->run.scene, fault) : PEL_OK;
     if (err) {
         return err;
     }
+    if (!filed->done) {
+        do_files(all, c, filed);
+    }
+    if (filed->err) {
+        *fault = filed->fault;
+        return filed->err;
+    }
     switch (c->action) {
-    case PELAGOS__EXERCISE_ACTION__SHOW:
-        return pel_exercise_files_read(all->files, c->name, shown, fault);
-    case PELAGOS__EXERCISE_ACTION__CHECK:
-        err = need_exercise(c, fault);
-        return err ? err : pel_exercise_check(c->exercise, fault);
-    case PELAGOS__EXERCISE_ACTION__SAVE:
-        err = need_exercise(c, fault);
-        return err ? err
-                   : pel_exercise_files_save(all->files, c->name, c->exercise,
-                                             fault);
-    case PELAGOS__EXERCISE_ACTION__DELETE:
-        return pel_exercise_files_delete(all->files, c->name, fault);
     case PELAGOS__EXERCISE_ACTION__LOAD:
-        return load(all, c->name, fault);
+        return load(all, c->name, filed, fault);
     case PELAGOS__EXERCISE_ACTION__START:
         return pel_exercise_run_start(&all->run, fault);
     case PELAGOS__EXERCISE_ACTION__PAUSE:
@@ -205,27 +254,28 @@ static enum pel_err act(struct pel_exercises *all,
     }
 }
 
-enum pel_err pel_exercises_command(struct pel_exercises *all,
-                                   const Pelagos__ExerciseCommand *command,
-                                   Pelagos__ExerciseStatus **out,
-                                   struct pel_fault *fault)
+static enum pel_err carry_out(struct pel_exercises *all,
+                              const Pelagos__ExerciseCommand *command,
+                              struct filed *filed,
+                              Pelagos__ExerciseStatus **out,
+                              struct pel_fault *fault)
 {
-    PEL_WATCH("exercise command");
-    Pelagos__Exercise *shown = NULL;
     *out = NULL;
     if (command->has_time && !(command->time >= 0 && command->time <= 1e9)) {
         return pel_fault_refuse(PEL_ERR_OUT_OF_RANGE, "time", NULL,
                                 "must be 0 to 1e9 s", fault);
     }
     pel_scene_catch_up(all->run.scene);
-    enum pel_err err = act(all, command, &shown, fault);
+    enum pel_err err = act(all, command, filed, fault);
     if (err) {
         return err;
     }
     *out = status(&all->run);
-    (*out)->exercise = shown;
-    if (command->action == PELAGOS__EXERCISE_ACTION__LIST) {
-        pel_exercise_files_list(all->files, *out);
+    (*out)->exercise = g_steal_pointer(&filed->read);
+    if (filed->listed) {
+        (*out)->n_exercises = filed->listed->n_exercises;
+        (*out)->exercises = g_steal_pointer(&filed->listed->exercises);
+        filed->listed->n_exercises = 0;
     }
     if (command->action == PELAGOS__EXERCISE_ACTION__FACTS) {
         err = give_facts(&all->run, command, *out, fault);
@@ -235,6 +285,77 @@ enum pel_err pel_exercises_command(struct pel_exercises *all,
         *out = NULL;
     }
     return err;
+}
+
+enum pel_err pel_exercises_command(struct pel_exercises *all,
+                                   const Pelagos__ExerciseCommand *command,
+                                   Pelagos__ExerciseStatus **out,
+                                   struct pel_fault *fault)
+{
+    PEL_WATCH("exercise command");
+    struct filed filed = { .err = PEL_OK };
+    enum pel_err err = carry_out(all, command, &filed, out, fault);
+    filed_finish(&filed);
+    return err;
+}
+
+/* --- with files by a thread ----------------------------------------------- */
+
+struct asked {
+    struct pel_task task;
+    struct pel_exercises *all;
+    Pelagos__ExerciseCommand *command; /* ours */
+    struct filed filed;
+    pel_exercises_done done;
+    void *user;
+};
+
+static void look_at_files(struct pel_task *task)
+{
+    struct asked *asked = (struct asked *)task;
+    do_files(asked->all, asked->command, &asked->filed);
+}
+
+static void go_on(struct pel_task *task, bool dropped)
+{
+    struct asked *asked = (struct asked *)task;
+    struct pel_scene *scene = asked->all->run.scene;
+    uint64_t before = scene->state->revision;
+    struct pel_fault fault = { 0 };
+    Pelagos__ExerciseStatus *out = NULL;
+    enum pel_err err = dropped ? pel_fault_set(&fault, PEL_ERR_CONFLICT,
+                                               "the daemon is stopping")
+                               : carry_out(asked->all, asked->command,
+                                           &asked->filed, &out, &fault);
+    asked->done(asked->user, err, &fault, out,
+                scene->state->revision != before);
+    filed_finish(&asked->filed);
+    pelagos__exercise_command__free_unpacked(asked->command, NULL);
+    g_free(asked);
+}
+
+void pel_exercises_ask(struct pel_exercises *all,
+                       const Pelagos__ExerciseCommand *command,
+                       pel_exercises_done done, void *user)
+{
+    struct asked *asked = g_new0(struct asked, 1);
+    asked->task = (struct pel_task){ .work = look_at_files, .done = go_on };
+    asked->all = all;
+    asked->command =
+        (Pelagos__ExerciseCommand *)pel_message_copy(&command->base);
+    asked->done = done;
+    asked->user = user;
+    bool files = command->action == PELAGOS__EXERCISE_ACTION__LIST ||
+                 command->action == PELAGOS__EXERCISE_ACTION__SHOW ||
+                 command->action == PELAGOS__EXERCISE_ACTION__CHECK ||
+                 command->action == PELAGOS__EXERCISE_ACTION__SAVE ||
+                 command->action == PELAGOS__EXERCISE_ACTION__DELETE ||
+                 command->action == PELAGOS__EXERCISE_ACTION__LOAD;
+    if (files || pel_worker_count(all->worker) > 0) {
+        pel_worker_push(all->worker, &asked->task);
+    } else {
+        go_on(&asked->task, false);
+    }
 }
 
 void pel_exercises_glance(struct pel_exercises *all,
@@ -319,6 +440,7 @@ enum pel_err pel_exercises_create(const struct pel_exercises_options *options,
     }
     struct pel_exercises *all = g_new0(struct pel_exercises, 1);
     all->files = pel_exercise_files_create(options->directory);
+    all->worker = pel_worker_create("exercises");
     pel_exercise_run_init(&all->run, scene, all->files, options->state_path);
     if (!pel_trial()) {
         resume(all);
@@ -330,6 +452,7 @@ enum pel_err pel_exercises_create(const struct pel_exercises_options *options,
 void pel_exercises_destroy(struct pel_exercises *all)
 {
     if (all) {
+        pel_worker_destroy(all->worker);
         pel_exercise_run_finish(&all->run);
         pel_exercise_files_destroy(all->files);
         g_free(all);

@@ -45,6 +45,18 @@ pel_exercises_command(struct pel_exercises *all,
                       const Pelagos__ExerciseCommand *command,
                       Pelagos__ExerciseStatus **out, struct pel_fault *fault);
 
+/* The same, files being read, tested and written by a thread: 200 of 700 KiB
+ * take seconds. `done` is called once, here or later, with the status, which is
+ * its own, or a fault; edited: the command changed the scene. Commands are done
+ * in the order in which they come. */
+typedef void (*pel_exercises_done)(void *user, enum pel_err err,
+                                   const struct pel_fault *fault,
+                                   Pelagos__ExerciseStatus *status,
+                                   bool edited);
+void pel_exercises_ask(struct pel_exercises *all,
+                       const Pelagos__ExerciseCommand *command,
+                       pel_exercises_done done, void *user);
+
 /* What a console shows of it. */
 struct pel_exercise_glance {
     Pelagos__ExercisePhase phase;

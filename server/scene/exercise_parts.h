@@ -23,9 +23,11 @@ bool pel_exercise_good_name(const char *name);
 
 struct pel_exercise_files;
 
+/* Any thread, where nothing else is said. */
 struct pel_exercise_files *pel_exercise_files_create(const char *directory);
 void pel_exercise_files_destroy(struct pel_exercise_files *files);
-/* As the directory has them now, sorted; until the next call. */
+/* As the directory has them now, sorted; until the next call. Control thread.
+ */
 const GPtrArray *pel_exercise_files_names(struct pel_exercise_files *files);
 /* By name; what is wrong with one is in its `error`. */
 void pel_exercise_files_list(struct pel_exercise_files *files,
@@ -35,7 +37,7 @@ PEL_CHECK enum pel_err pel_exercise_files_read(struct pel_exercise_files *files,
                                                Pelagos__Exercise **out,
                                                struct pel_fault *fault);
 /* As ExerciseRun.digest, of the file as it is now; NULL: *fault says why there
- * is none. Until the next call. */
+ * is none. Until the next call. Control thread. */
 const char *pel_exercise_files_digest(struct pel_exercise_files *files,
                                       const char *name,
                                       struct pel_fault *fault);

@@ -1,5 +1,5 @@
-/* The directory of exercises. Files are small (1 MiB at most); what was read
- * once is known until the file changes. */
+/* The directory of exercises. Files are of 1 MiB at most, which take some 30 ms
+ * each; what was read once is known until the file changes. */
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/file.h"
+#include "base/reserve.h"
 #include "fault.h"
 #include "json.h"
 #include "message.h"
@@ -17,6 +18,7 @@
 #define ENDING ".json"
 #define MOST_FILES 256
 
+/* Counted; of more than one thread. */
 struct known {
     struct timespec changed;
     off_t size;
@@ -27,16 +29,24 @@ struct known {
 
 struct pel_exercise_files {
     char *directory;    /* NULL: none */
+    GMutex lock;        /* of the next */
     GHashTable *known;  /* name → struct known */
-    GPtrArray *listing; /* names, sorted; as of the last look */
+    GPtrArray *listing; /* control thread: as of its last look */
+    struct known *last; /* control thread: of the last digest */
 };
 
-static void known_free(gpointer data)
+static void known_clear(gpointer data)
 {
     struct known *k = data;
     g_free(k->title);
     g_free(k->digest);
-    g_free(k);
+}
+
+static void known_unref(gpointer data)
+{
+    if (data) {
+        g_atomic_rc_box_release_full(data, known_clear);
+    }
 }
 
 struct pel_exercise_files *pel_exercise_files_create(const char *directory)
@@ -44,7 +54,8 @@ struct pel_exercise_files *pel_exercise_files_create(const char *directory)
     struct pel_exercise_files *files = g_new0(struct pel_exercise_files, 1);
     files->directory = g_strdup(directory);
     files->known =
-        g_hash_table_new_full(g_str_hash, g_str_equal, g_free, known_free);
+        g_hash_table_new_full(g_str_hash, g_str_equal, g_free, known_unref);
+    g_mutex_init(&files->lock);
     files->listing = g_ptr_array_new_with_free_func(g_free);
     return files;
 }
@@ -52,7 +63,9 @@ struct pel_exercise_files *pel_exercise_files_create(const char *directory)
 void pel_exercise_files_destroy(struct pel_exercise_files *files)
 {
     g_ptr_array_free(files->listing, TRUE);
+    known_unref(files->last);
     g_hash_table_destroy(files->known);
+    g_mutex_clear(&files->lock);
     g_free(files->directory);
     g_free(files);
 }
@@ -126,16 +139,17 @@ static int by_name(const void *a, const void *b)
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-static void look(struct pel_exercise_files *files)
+/* Names of the files that are there, sorted. Any thread. */
+static GPtrArray *look(const struct pel_exercise_files *files)
 {
+    GPtrArray *listing = g_ptr_array_new_with_free_func(g_free);
     GDir *dir = files->directory ? g_dir_open(files->directory, 0, NULL) : NULL;
     const char *entry;
-    g_ptr_array_set_size(files->listing, 0);
     while (dir && (entry = g_dir_read_name(dir))) {
         if (g_str_has_suffix(entry, ENDING)) {
             char *name = g_strndup(entry, strlen(entry) - strlen(ENDING));
             if (pel_exercise_good_name(name)) {
-                g_ptr_array_add(files->listing, name);
+                g_ptr_array_add(listing, name);
             } else {
                 g_free(name);
             }
@@ -144,34 +158,60 @@ static void look(struct pel_exercise_files *files)
     if (dir) {
         g_dir_close(dir);
     }
-    g_ptr_array_sort(files->listing, by_name);
-    if (files->listing->len > MOST_FILES) {
-        g_ptr_array_set_size(files->listing, MOST_FILES);
+    g_ptr_array_sort(listing, by_name);
+    if (listing->len > MOST_FILES) {
+        g_ptr_array_set_size(listing, MOST_FILES);
     }
+    return listing;
 }
 
 const GPtrArray *pel_exercise_files_names(struct pel_exercise_files *files)
 {
-    look(files);
+    g_ptr_array_free(files->listing, TRUE);
+    files->listing = look(files);
     return files->listing;
 }
 
-static const struct known *know(struct pel_exercise_files *files,
-                                const char *name)
+/* What was known of it, if the file is still the same; known_unref(). */
+static struct known *recall(struct pel_exercise_files *files, const char *name,
+                            const struct stat *info)
+{
+    g_mutex_lock(&files->lock);
+    struct known *k = g_hash_table_lookup(files->known, name);
+    bool same = k && k->size == info->st_size &&
+                k->changed.tv_sec == info->st_mtim.tv_sec &&
+                k->changed.tv_nsec == info->st_mtim.tv_nsec;
+    k = same ? g_atomic_rc_box_acquire(k) : NULL;
+    g_mutex_unlock(&files->lock);
+    return k;
+}
+
+static void remember(struct pel_exercise_files *files, const char *name,
+                     struct known *k)
+{
+    g_mutex_lock(&files->lock);
+    if (g_hash_table_size(files->known) >= 2 * MOST_FILES) {
+        g_hash_table_remove_all(files->known); /* most are of no file now */
+    }
+    g_hash_table_replace(files->known, g_strdup(name),
+                         g_atomic_rc_box_acquire(k));
+    g_mutex_unlock(&files->lock);
+}
+
+/* Reads it where that is not known; known_unref(). Any thread. */
+static struct known *know(struct pel_exercise_files *files, const char *name)
 {
     struct stat info = { 0 };
     g_autofree char *path = NULL;
     if (path_of(files, name, &path, NULL) || stat(path, &info) != 0) {
         info.st_size = -1;
     }
-    struct known *k = g_hash_table_lookup(files->known, name);
-    if (k && k->size == info.st_size &&
-        k->changed.tv_sec == info.st_mtim.tv_sec &&
-        k->changed.tv_nsec == info.st_mtim.tv_nsec) {
+    struct known *k = recall(files, name, &info);
+    if (k) {
         return k;
     }
     Pelagos__Exercise *exercise = NULL;
-    k = g_new0(struct known, 1);
+    k = g_atomic_rc_box_new0(struct known);
     k->changed = info.st_mtim;
     k->size = info.st_size;
     k->err = pel_exercise_files_read(files, name, &exercise, &k->fault);
@@ -180,32 +220,30 @@ static const struct known *know(struct pel_exercise_files *files,
         k->digest = pel_exercise_digest(exercise);
         pelagos__exercise__free_unpacked(exercise, NULL);
     }
-    g_hash_table_replace(files->known, g_strdup(name), k);
+    remember(files, name, k);
     return k;
 }
 
 const char *pel_exercise_files_digest(struct pel_exercise_files *files,
                                       const char *name, struct pel_fault *fault)
 {
-    const struct known *k = know(files, name);
-    if (k->err) {
-        *fault = k->fault;
+    known_unref(files->last);
+    files->last = know(files, name);
+    if (files->last->err) {
+        *fault = files->last->fault;
     }
-    return k->digest;
+    return files->last->digest;
 }
 
 void pel_exercise_files_list(struct pel_exercise_files *files,
                              Pelagos__ExerciseStatus *out)
 {
-    look(files);
-    out->exercises = calloc(files->listing->len + 1, sizeof *out->exercises);
-    for (guint i = 0; out->exercises && i < files->listing->len; i++) {
-        const char *name = g_ptr_array_index(files->listing, i);
-        const struct known *k = know(files, name);
-        Pelagos__ExerciseInfo *info = malloc(sizeof *info);
-        if (!info) {
-            return;
-        }
+    g_autoptr(GPtrArray) listing = look(files);
+    out->exercises = pel_sure_calloc(listing->len + 1, sizeof *out->exercises);
+    for (guint i = 0; i < listing->len; i++) {
+        const char *name = g_ptr_array_index(listing, i);
+        struct known *k = know(files, name);
+        Pelagos__ExerciseInfo *info = pel_sure_malloc(sizeof *info);
         pelagos__exercise_info__init(info);
         info->name = strdup(name);
         info->title = k->title ? strdup(k->title) : NULL;
@@ -217,6 +255,7 @@ void pel_exercise_files_list(struct pel_exercise_files *files,
             info->error = (Pelagos__Error *)pel_message_copy(&error.base);
         }
         out->exercises[out->n_exercises++] = info;
+        known_unref(k);
     }
 }
 
@@ -256,9 +295,8 @@ enum pel_err pel_exercise_files_save(struct pel_exercise_files *files,
     if (err) {
         return err;
     }
-    look(files);
-    if (files->listing->len >= MOST_FILES &&
-        !g_file_test(path, G_FILE_TEST_EXISTS)) {
+    g_autoptr(GPtrArray) listing = look(files);
+    if (listing->len >= MOST_FILES && !g_file_test(path, G_FILE_TEST_EXISTS)) {
         return pel_fault_set(fault, PEL_ERR_BUSY,
                              "there are %d exercises already; remove one",
                              MOST_FILES);

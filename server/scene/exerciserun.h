@@ -41,6 +41,7 @@ struct pel_exercise_run {
 
 struct pel_exercises {
     struct pel_exercise_files *files;
+    struct pel_worker *worker; /* of files */
     struct pel_exercise_run run;
 };
 

@@ -121,6 +121,16 @@ static void plan_series(const struct pel_http_answer *answer)
     pel_series_plan_finish(&plan);
 }
 
+static void command_exercise(struct pel_http_answer *answer)
+{
+    Pelagos__ExerciseStatus *status;
+    struct pel_fault fault;
+    if (pel_exercises_command(context.exercises, answer->exercise, &status,
+                              &fault) == PEL_OK) {
+        pelagos__exercise_status__free_unpacked(status, NULL);
+    }
+}
+
 /* Cuts a line off *text; NULL: none left. */
 static char *take_line(char **text)
 {
@@ -176,6 +186,8 @@ static void serve(char *text, const char *end)
         carry_out(&answer);
     } else if (answer.kind == PEL_HTTP_SERIES) {
         plan_series(&answer);
+    } else if (answer.kind == PEL_HTTP_EXERCISE) {
+        command_exercise(&answer);
     }
     pel_http_answer_finish(&answer);
 }
