@@ -231,11 +231,12 @@ void pel_watch_collect(void *user, struct pel_metrics_page *page)
         pel_metric(page, "pelagos_control_stall_longest_seconds",
                    PEL_METRIC_GAUGE, "The longest of them.", label,
                    (double)site->longest_ns * 1e-9);
-        pel_metric(page, "pelagos_control_busy_total", PEL_METRIC_COUNTER,
+        pel_metric(page, "pelagos_control_processor_stalls_total",
+                   PEL_METRIC_COUNTER,
                    "Things that took the control thread more than a "
                    "millisecond of processor.",
                    label, (double)site->hogs);
-        pel_metric(page, "pelagos_control_busy_longest_seconds",
+        pel_metric(page, "pelagos_control_processor_longest_seconds",
                    PEL_METRIC_GAUGE,
                    "The most processor that the control thread took for one "
                    "of them.",

@@ -206,8 +206,9 @@ void pel_frames_resync(struct pel_subscription *subscription, bool urgent);
 /* Asks for a key frame among the others; `urgent` as above. */
 void pel_frames_want_key(struct pel_subscription *subscription, bool urgent);
 
-/* How an answer is written by the threads that compute it, slice by slice: of
- * 10,000 points that takes a hundred times what one thread may that others wait
+/* How an answer is written, slice by slice, by the threads that compute it or,
+ * where that is slow and of more than a slice, by one behind those that draw:
+ * of 10,000 points it takes a hundred times what a thread may that others wait
  * for. Any thread. */
 #define PEL_SURFACE_HEAD 96
 struct pel_surface_form {
@@ -220,6 +221,7 @@ struct pel_surface_form {
                    size_t count, size_t size, char out[PEL_SURFACE_HEAD]);
     /* What follows them; NULL: nothing. */
     const char *(*tail)(size_t count);
+    bool slow;   /* slice() takes longer than what it writes took */
     bool has_id; /* of the reply, for head() */
     uint64_t id;
 };

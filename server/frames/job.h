@@ -172,9 +172,9 @@ struct pel_surface_query {
     struct pel_mail mail;
     const struct pel_snapshot *snapshot;
     double time_s;
-    bool moving;                   /* accelerations too */
-    bool foam;                     /* its share too */
-    size_t count, begun, answered; /* the last two: pel_surface_pool' */
+    bool moving;                            /* accelerations too */
+    bool foam;                              /* its share too */
+    size_t count, begun, answered, written; /* the last three: the pool's */
     struct pel_vec2 *points;
     struct pel_surface_sample *samples;
     struct pel_surface_form form;   /* slice NULL: none */

@@ -4,6 +4,8 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/lock.h"
@@ -12,6 +14,7 @@
 #include "ocean/fields.h"
 
 #define STOP_NS 1000000000LL
+#define TEXT_NICE 10
 #define KEPT_NS                                                                \
     5000000000LL /* what was computed for queries, after the last              \
                   */
@@ -27,14 +30,15 @@ struct prefetched {
 
 struct pel_surface_pool {
     pthread_mutex_t lock; /* protects all below and the queries' counts */
-    pthread_cond_t asked, over;
+    pthread_cond_t asked, over, answered;
     struct pel_queue queue;
+    struct pel_queue texts; /* answered, to be written by a thread of its own */
     struct prefetched prefetched[PEL_MOST_PREPARED]; /* newest first */
     bool fresh;        /* the next slice is a first one, if there is any */
     atomic_bool hurry; /* somebody asks, or all ends */
     bool stop;
     int count, ended;
-    pthread_t threads[PEL_SURFACE_POOL_MAX];
+    pthread_t threads[PEL_SURFACE_POOL_MAX + 1]; /* the last one writes */
     struct pel_mailbox *box;
 };
 
@@ -167,6 +171,19 @@ void pel_surface_pool_prepare(struct pel_surface_pool *self,
 /* --- answering --------------------------------------------------------------
  */
 
+static bool is_slow(const struct pel_surface_query *query)
+{
+    return query->form.slow && query->count > PEL_SURFACE_SLICE;
+}
+
+static void write_slice(struct pel_surface_query *query, size_t first,
+                        size_t count)
+{
+    struct pel_surface_text *part = &query->parts[first / PEL_SURFACE_SLICE];
+    part->text =
+        query->form.slice(query->samples + first, first, count, &part->size);
+}
+
 static void answer(struct pel_surface_query *query, size_t first, size_t count)
 {
     struct pel_surface_sample *samples = query->samples + first;
@@ -175,10 +192,8 @@ static void answer(struct pel_surface_query *query, size_t first, size_t count)
     if (query->foam) {
         pel_snapshot_foam(query->snapshot, count, query->time_s, samples);
     }
-    if (query->form.slice && count > 0) {
-        struct pel_surface_text *part =
-            &query->parts[first / PEL_SURFACE_SLICE];
-        part->text = query->form.slice(samples, first, count, &part->size);
+    if (query->form.slice && count > 0 && !is_slow(query)) {
+        write_slice(query, first, count);
     }
 }
 
@@ -207,6 +222,30 @@ static void join(struct pel_surface_query *query)
     query->size = before + size + strlen(tail);
 }
 
+static void post(struct pel_surface_pool *self, struct pel_surface_query *query)
+{
+    if (query->form.slice) {
+        join(query);
+    }
+    pel_mailbox_post(self->box, &query->mail);
+}
+
+/* It is computed; has the lock, not while it is posted. */
+static void give(struct pel_surface_pool *self, struct pel_surface_query *query)
+{
+    bool slow = is_slow(query);
+    if (slow) {
+        pel_queue_push(&self->texts, &query->mail);
+    }
+    pthread_mutex_unlock(&self->lock);
+    if (slow) {
+        pthread_cond_signal(&self->answered);
+    } else {
+        post(self, query);
+    }
+    pthread_mutex_lock(&self->lock);
+}
+
 static void *run(void *argument)
 {
     struct worker worker = { .all = argument };
@@ -226,12 +265,40 @@ static void *run(void *argument)
         pthread_mutex_lock(&self->lock);
         query->answered += count;
         if (query->answered == query->count) {
-            pthread_mutex_unlock(&self->lock);
-            if (query->form.slice) {
-                join(query);
-            }
-            pel_mailbox_post(self->box, &query->mail);
-            pthread_mutex_lock(&self->lock);
+            give(self, query);
+        }
+    }
+    self->ended++;
+    pthread_cond_signal(&self->over);
+    pthread_mutex_unlock(&self->lock);
+    return NULL;
+}
+
+/* Writes what is slow, a slice of each in turn. */
+static void *write_texts(void *argument)
+{
+    struct pel_surface_pool *self = argument;
+    (void)setpriority(PRIO_PROCESS, (id_t)gettid(), TEXT_NICE);
+    pthread_mutex_lock(&self->lock);
+    while (!self->stop) {
+        struct pel_surface_query *query =
+            (struct pel_surface_query *)pel_queue_pop(&self->texts);
+        if (!query) {
+            pthread_cond_wait(&self->answered, &self->lock);
+            continue;
+        }
+        size_t first = query->written, left = query->count - first;
+        size_t count = left < PEL_SURFACE_SLICE ? left : PEL_SURFACE_SLICE;
+        pthread_mutex_unlock(&self->lock);
+        write_slice(query, first, count);
+        query->written += count;
+        if (query->written == query->count) {
+            post(self, query);
+            query = NULL;
+        }
+        pthread_mutex_lock(&self->lock);
+        if (query) {
+            pel_queue_push(&self->texts, &query->mail);
         }
     }
     self->ended++;
@@ -252,6 +319,7 @@ enum pel_err pel_surface_pool_create(int cores, struct pel_mailbox *box,
     pel_lock_init(&self->lock);
     pel_cond_init(&self->asked);
     pel_cond_init(&self->over);
+    pel_cond_init(&self->answered);
     for (int i = 0; i < threads || i < 1; i++) {
         if (pthread_create(&self->threads[i], NULL, run, self) != 0) {
             break;
@@ -259,10 +327,13 @@ enum pel_err pel_surface_pool_create(int cores, struct pel_mailbox *box,
         pthread_setname_np(self->threads[i], "surface");
         self->count = i + 1;
     }
-    if (self->count == 0) {
+    if (self->count == 0 ||
+        pthread_create(&self->threads[self->count], NULL, write_texts, self)) {
+        (void)pel_surface_pool_stop(self);
         pel_surface_pool_destroy(self);
         return PEL_ERR_IO;
     }
+    pthread_setname_np(self->threads[self->count++], "surface text");
     *out = self;
     return PEL_OK;
 }
@@ -271,7 +342,7 @@ void pel_surface_pool_push(struct pel_surface_pool *self,
                            struct pel_surface_query *query)
 {
     query->mail.kind = PEL_MAIL_SURFACE;
-    query->begun = query->answered = 0;
+    query->begun = query->answered = query->written = 0;
     pel_beat();
     pthread_mutex_lock(&self->lock);
     pel_queue_push(&self->queue, &query->mail);
@@ -291,6 +362,7 @@ bool pel_surface_pool_stop(struct pel_surface_pool *self)
     self->stop = true;
     atomic_store(&self->hurry, true);
     pthread_cond_broadcast(&self->asked);
+    pthread_cond_signal(&self->answered);
     bool ended = pel_cond_wait_ended(&self->over, &self->lock, &self->ended,
                                      self->count, STOP_NS);
     pthread_mutex_unlock(&self->lock);
@@ -311,6 +383,7 @@ void pel_surface_pool_destroy(struct pel_surface_pool *self)
             pel_snapshot_unref(self->prefetched[i].snapshot);
         }
         pthread_cond_destroy(&self->asked);
+        pthread_cond_destroy(&self->answered);
         pthread_cond_destroy(&self->over);
         pthread_mutex_destroy(&self->lock);
         free(self);

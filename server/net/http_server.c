@@ -25,6 +25,7 @@
 #define MEMORY_BYTES PEL_BOUND_HTTP_HEAD_BYTES
 #define MAX_HEADERS PEL_BOUND_HTTP_HEADERS
 #define SWEEP_MS 250
+#define QUESTION_NICE 10
 #define CLOSING_ROOM 128 /* connections that are being closed */
 #define TURNS_AT_ONCE                                                          \
     32 /* of the library, before we look what keeps it busy                    \
@@ -612,6 +613,7 @@ enum pel_err pel_http_server_create(const struct pel_net_limits *limits,
     server->sweeper = g_timeout_add(SWEEP_MS, sweep, server);
     server->edit_worker = pel_worker_create("edits");
     server->question_worker = pel_worker_create("answers");
+    pel_worker_set_nice(server->question_worker, QUESTION_NICE);
     pel_http_watch_hangups(server);
     server->hls = pel_hls_create(frames);
     server->whep = pel_whep_create(frames, whep);

@@ -169,6 +169,6 @@ static const char *json_tail(size_t count)
     return count > 0 ? "]}" : "}";
 }
 
-const struct pel_surface_form pel_surface_json = { .slice = json_slice,
-                                                   .head = json_head,
-                                                   .tail = json_tail };
+const struct pel_surface_form pel_surface_json = {
+    .slice = json_slice, .head = json_head, .tail = json_tail, .slow = true
+};

@@ -16,6 +16,7 @@
 
 #define MOST_FACTS (1u << 20) /* of one answer */
 #define MOST_KEPT (4u << 20)
+#define FILES_NICE 10
 
 /* --- what a client asks for ----------------------------------------------- */
 
@@ -441,6 +442,7 @@ enum pel_err pel_exercises_create(const struct pel_exercises_options *options,
     struct pel_exercises *all = g_new0(struct pel_exercises, 1);
     all->files = pel_exercise_files_create(options->directory);
     all->worker = pel_worker_create("exercises");
+    pel_worker_set_nice(all->worker, FILES_NICE);
     pel_exercise_run_init(&all->run, scene, all->files, options->state_path);
     if (!pel_trial()) {
         resume(all);

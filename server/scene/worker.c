@@ -3,6 +3,8 @@
 
 #include <glib.h>
 #include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 /* First in, first out. */
 struct queue {
@@ -11,6 +13,7 @@ struct queue {
 
 struct pel_worker {
     const char *name;
+    int nice;
     GThread *thread;      /* NULL: not started */
     pthread_mutex_t lock; /* protects what follows, to `stopping` */
     pthread_cond_t more;  /* a task, or stopping: for the worker */
@@ -45,6 +48,9 @@ static struct pel_task *pop(struct queue *queue)
 static gpointer run(gpointer user)
 {
     struct pel_worker *worker = user;
+    if (worker->nice > 0) {
+        (void)setpriority(PRIO_PROCESS, (id_t)gettid(), worker->nice);
+    }
     pthread_mutex_lock(&worker->lock);
     while (!worker->stopping) {
         struct pel_task *task = pop(&worker->tasks);
@@ -108,6 +114,11 @@ struct pel_worker *pel_worker_create(const char *name)
     g_source_set_name(worker->source, name);
     g_source_attach(worker->source, NULL);
     return worker;
+}
+
+void pel_worker_set_nice(struct pel_worker *worker, int nice)
+{
+    worker->nice = nice;
 }
 
 void pel_worker_push(struct pel_worker *worker, struct pel_task *task)

@@ -23,6 +23,9 @@ struct pel_task {
  * static. */
 struct pel_worker *pel_worker_create(const char *name);
 
+/* Before its first task: behind the threads of a smaller nice value. */
+void pel_worker_set_nice(struct pel_worker *worker, int nice);
+
 void pel_worker_push(struct pel_worker *worker, struct pel_task *task);
 
 /* Tasks whose `done` has not been called yet. */
