@@ -829,6 +829,10 @@ enum MHD_Result pel_http_send_live(struct client *client,
 
 void pel_http_call_off(struct client *client)
 {
+    if (client->queued) {
+        g_queue_remove(&client->server->takers, client);
+        client->queued = false;
+    }
     if (client->frame_id && pel_http_frames(client)) {
         pel_frames_cancel(pel_http_frames(client), client->frame_id);
         client->frame_id = 0;

@@ -61,6 +61,7 @@ struct client {
     struct pel_http_read *parsed; /* the body, where a thread has read it */
     const char *method;           /* the library's, of this request */
     bool edits;                   /* what watch may not ask for */
+    bool queued;                  /* for another turn: pel_http_take_later */
     const char *origin;           /* an allowed one that asks, or NULL */
     char ignored[200];            /* as struct pel_http_answer has it */
     bool suspended;
@@ -105,6 +106,8 @@ struct pel_http_server {
     GPtrArray *clients;
     struct pel_worker *edit_worker, *question_worker; /* http_later.c */
     unsigned reading; /* bodies of edits, by that worker */
+    GQueue takers;    /* of struct client: to be answered in another turn */
+    GSource *taking;  /* wakes for them */
     struct pel_mjpeg_stats mjpeg;
     struct pel_live_stats live;
     struct pel_ts_stats ts;
@@ -140,6 +143,12 @@ void pel_http_resume(struct client *client);
 
 /* Answers the request, whose body is there. */
 enum MHD_Result pel_http_take(struct client *client);
+
+/* http_later.c: leaves the request to another turn of the loop, where this one
+ * has taken its time or others wait so; true: it is suspended until then. */
+bool pel_http_take_later(struct client *client);
+void pel_http_begin_later(struct pel_http_server *server);
+void pel_http_end_later(struct pel_http_server *server);
 
 /* http_later.c: has a long body read by a thread, which then takes the request;
  * false: it is short, or read. */

@@ -3,7 +3,11 @@
  * nobody's large questions keep edits waiting. */
 #include <string.h>
 
+#include "base/watch.h"
+#include "frames/mailbox.h"
 #include "net/http_client.h"
+
+#define QUESTION_NICE 10
 
 /* A body to be read, or an answer to be written. */
 struct later {
@@ -28,6 +32,61 @@ static void begin(struct client *client, struct later *later)
     later->waiter = pel_http_wait_begin(client);
     pel_http_suspend(client);
     pel_worker_push(worker_of(client), &later->task);
+}
+
+/* --- turns ---------------------------------------------------------------- */
+
+/* Requests that came together are taken for so long at once: each takes a tenth
+ * of a millisecond or a few, and the library hands over all that it has. */
+#define TURN_NS 300000
+
+bool pel_http_take_later(struct client *client)
+{
+    struct pel_http_server *server = client->server;
+    if (client->queued || client->parsed ||
+        (pel_watch_spent_ns() < TURN_NS && g_queue_is_empty(&server->takers))) {
+        return false;
+    }
+    client->queued = true;
+    g_queue_push_tail(&server->takers, client);
+    g_source_set_ready_time(server->taking, 0);
+    pel_http_suspend(client);
+    return true;
+}
+
+static void take_queued(void *user)
+{
+    struct pel_http_server *server = user;
+    struct client *client;
+    do {
+        client = g_queue_pop_head(&server->takers);
+        if (client) {
+            (void)pel_http_take(client); /* still marked: it is its turn */
+            client->queued = false;
+            pel_http_resume(client);
+        }
+    } while (client && pel_watch_spent_ns() < TURN_NS);
+    if (!g_queue_is_empty(&server->takers)) {
+        g_source_set_ready_time(server->taking, 0);
+    }
+}
+
+void pel_http_begin_later(struct pel_http_server *server)
+{
+    g_queue_init(&server->takers);
+    server->taking = pel_alarm_create(NULL, "http", take_queued, server);
+    server->edit_worker = pel_worker_create("edits");
+    server->question_worker = pel_worker_create("answers");
+    pel_worker_set_nice(server->question_worker, QUESTION_NICE);
+}
+
+void pel_http_end_later(struct pel_http_server *server)
+{
+    pel_worker_destroy(server->edit_worker);
+    pel_worker_destroy(server->question_worker);
+    g_source_destroy(server->taking);
+    g_source_unref(server->taking);
+    g_queue_clear(&server->takers);
 }
 
 /* --- bodies --------------------------------------------------------------- */

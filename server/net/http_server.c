@@ -25,7 +25,6 @@
 #define MEMORY_BYTES PEL_BOUND_HTTP_HEAD_BYTES
 #define MAX_HEADERS PEL_BOUND_HTTP_HEADERS
 #define SWEEP_MS 250
-#define QUESTION_NICE 10
 #define CLOSING_ROOM 128 /* connections that are being closed */
 #define TURNS_AT_ONCE                                                          \
     32 /* of the library, before we look what keeps it busy                    \
@@ -164,6 +163,9 @@ enum MHD_Result pel_http_take(struct client *client)
     struct headers headers;
     struct pel_http_request request;
     struct pel_http_answer answer;
+    if (pel_http_take_later(client)) {
+        return MHD_YES;
+    }
     client->phase = PHASE_ANSWER;
     client->deadline_ns = pel_http_after(client->server->limits.http_answer_s);
     describe(client, client->method, &headers, &request);
@@ -611,9 +613,7 @@ enum pel_err pel_http_server_create(const struct pel_net_limits *limits,
         g_source_add_unix_fd(&server->source->source, epoll, G_IO_IN);
     g_source_attach(&server->source->source, NULL);
     server->sweeper = g_timeout_add(SWEEP_MS, sweep, server);
-    server->edit_worker = pel_worker_create("edits");
-    server->question_worker = pel_worker_create("answers");
-    pel_worker_set_nice(server->question_worker, QUESTION_NICE);
+    pel_http_begin_later(server);
     pel_http_watch_hangups(server);
     server->hls = pel_hls_create(frames);
     server->whep = pel_whep_create(frames, whep);
@@ -636,8 +636,7 @@ void pel_http_server_destroy(struct pel_http_server *server)
     }
     MHD_run(server->daemon);
     MHD_stop_daemon(server->daemon);
-    pel_worker_destroy(server->edit_worker);
-    pel_worker_destroy(server->question_worker);
+    pel_http_end_later(server);
     pel_http_unwatch_hangups(server);
     pel_hls_destroy(server->hls);
     pel_whep_destroy(server->whep);
