@@ -237,6 +237,7 @@ class Grib(Case):
         self.right(self.write("single", run(1, 0, 3) + member + single),
                    hours=(0,))
         self.refused(self.write("members", member), "member 4")
+        self.refused(self.write("zero", run(3, 0, 1)), "member 0")
 
     def test_surface(self):
         """GFS-Wave codes its wind at the surface; the ECMWF too, in GRIB1."""
@@ -320,6 +321,9 @@ class Grib(Case):
                     f"jPointsAreConsecutive={columns}",
                     f"alternativeRowScanning={fro}", *named(n)], lats, lons))
             self.right(self.write(f"scan-{mode}", messages), hours=(0,))
+        self.refused(self.write("offset", [
+            message(plane(n), ["scanningMode=8", *named(n)]) for n in WIND]),
+            "offset", "scanning mode 8")
 
     def test_longitudes(self):
         for lons in (np.arange(340., 360), np.arange(170., 190),
@@ -984,6 +988,12 @@ class NetCDF(Case):
         np.testing.assert_allclose((waves[1] - DAY_S) / 3600, (1, 5))
         np.testing.assert_allclose(waves[2][2] / 1024, np.stack([
             plane("h", k, lats, lons) for k in (0, 1)]), atol=1e-3)
+
+    def test_groups(self):
+        import netCDF4
+        with netCDF4.Dataset(self.at("groups.nc"), "w") as d:
+            d.createGroup("wind")
+        self.refused("groups.nc", "1 groups", "ncks -G")
 
     def test_formats(self):
         for fmt in ("NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET",

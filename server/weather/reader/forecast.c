@@ -12,6 +12,11 @@
 /* --- what a file hands over -------------------------------------------------
  */
 
+bool pel_forecast_words_full(const struct pel_forecast_words *words)
+{
+    return strstr(words->text, "…") != NULL;
+}
+
 void pel_forecast_words_add(struct pel_forecast_words *words,
                             const char *format, ...)
 {
@@ -21,7 +26,7 @@ void pel_forecast_words_add(struct pel_forecast_words *words,
     vsnprintf(word, sizeof word, format, arguments);
     va_end(arguments);
     size_t length = strlen(words->text);
-    if (strstr(words->text, word) || strstr(words->text, "…")) {
+    if (strstr(words->text, word) || pel_forecast_words_full(words)) {
         return;
     }
     bool fits = length + strlen(word) + 8 < sizeof words->text;
@@ -154,7 +159,9 @@ static enum pel_err join(const struct pel_forecast_file *file, struct group *g,
     }
     g->numbers[g->count] = number;
     g->keys[g->count++] = key;
-    return PEL_OK;
+    return g->first ? PEL_OK
+                    : pel_fault_set(fault, PEL_ERR_INTERNAL, "it has no %s",
+                                    pel_forecast_name_of(number));
 }
 
 static int by_time(const void *a, const void *b)
@@ -455,7 +462,7 @@ static enum pel_err read_group(struct pel_forecast_file *file,
         out->values[n] = values[k];
         err = values[k] ? PEL_OK : PEL_ERR_NO_MEMORY;
     }
-    if (err || !values[0] || !values[1]) {
+    if (err || !planes || !values[0] || !values[1]) {
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
     for (int t = 0; !err && t < out->times; t++) {

@@ -68,6 +68,7 @@ struct pel_forecast_words {
 void pel_forecast_words_add(struct pel_forecast_words *words,
                             const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+bool pel_forecast_words_full(const struct pel_forecast_words *words);
 
 /* One of our numbers at one time. */
 struct pel_forecast_slice {
@@ -85,6 +86,8 @@ struct pel_forecast_file {
     struct pel_forecast_slice *slices;
     size_t count;
     struct pel_forecast_words unread; /* wind and waves of other kinds */
+    long told[64];                    /* which of them were looked at, hashed */
+    size_t told_count;
     char notes[PEL_WEATHER_MOST_NOTES];
     /* The slice's numbers in its quantity's unit above, rows from south, nodes
      * from west, NAN where there are none. */

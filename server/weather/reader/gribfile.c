@@ -191,8 +191,10 @@ static const char *other_product(codes_handle *h, long edition, bool *control,
     bool many = (edition == 2 && (template == 1 || template == 60)) ||
                 strcmp(data, "pf") == 0 || strcmp(data, "cf") == 0 ||
                 number(h, "numberOfForecastsInEnsemble", 0) > 1;
-    if (member != 0 ||
-        (many && strcmp(data, "pf") == 0 && edition == 2 && template == 0)) {
+    long drawn = number(h, "typeOfEnsembleForecast", 0);
+    bool perturbed = edition == 2 && (template == 0 ? strcmp(data, "pf") == 0
+                                                    : drawn == 2 || drawn == 3);
+    if (member != 0 || perturbed) {
         snprintf(out, 48, "ensemble member %ld", member);
         return out;
     }
@@ -287,6 +289,13 @@ static enum pel_err grid_of(codes_handle *h, const char *label,
         codes_get_double(h, "longitudeOfLastGridPointInDegrees", &b[0])) {
         return refuse_grid(h, label, fault);
     }
+    if (number(h, "edition", 1) == 2 && number(h, "scanningMode", 0) & 15) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "%s: its rows are offset against each other "
+                             "(scanning mode %ld): bring it to a plain grid, "
+                             "as by cdo remapbil,global_0.25 IN OUT",
+                             label, number(h, "scanningMode", 0));
+    }
     if (nx < 2 || ny < 2 || nx > PEL_WEATHER_MOST_COLUMNS ||
         ny > PEL_WEATHER_MOST_ROWS) {
         return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
@@ -328,36 +337,87 @@ static enum pel_err grid_of(codes_handle *h, const char *label,
 /* --- listing ----------------------------------------------------------------
  */
 
+/* Whether a field of the same number, height and product was told of before. */
+static bool was_told(struct pel_forecast_file *file, codes_handle *h)
+{
+    static const char *const keys[] = {
+        "discipline",
+        "parameterCategory",
+        "parameterNumber",
+        "typeOfFirstFixedSurface",
+        "scaledValueOfFirstFixedSurface",
+        "productDefinitionTemplateNumber",
+        "indicatorOfParameter",
+        "indicatorOfTypeOfLevel",
+        "level",
+    };
+    long sum = 1;
+    bool grib1 = number(h, "edition", 2) == 1;
+    for (size_t i = grib1 ? 6 : 0; i < (grib1 ? 9u : 6u); i++) {
+        sum = (long)((unsigned long)sum * 1000003u +
+                     (unsigned long)number(h, keys[i], -1));
+    }
+    for (size_t i = 0; i < file->told_count; i++) {
+        if (file->told[i] == sum) {
+            return true;
+        }
+    }
+    if (file->told_count < sizeof file->told / sizeof *file->told) {
+        file->told[file->told_count++] = sum;
+    }
+    return false;
+}
+
+/* ecCodes' names take it long: they are asked for what is kept, or told of. */
+static void leave_out(struct pel_forecast_file *file, codes_handle *h,
+                      const char *other)
+{
+    char label[48];
+    if (!pel_forecast_words_full(&file->unread) && !was_told(file, h)) {
+        describe(h, label);
+        pel_forecast_words_add(&file->unread, "%s%s%s", label, other ? " " : "",
+                               other ? other : "");
+    }
+}
+
+static void name_of(codes_handle *h, long edition,
+                    struct pel_forecast_name *out)
+{
+    *out = (struct pel_forecast_name){ .parameter = { -1, -1, -1 }, .id = -1 };
+    if (edition == 2) {
+        out->parameter[0] = number(h, "discipline", -1);
+        out->parameter[1] = number(h, "parameterCategory", -1);
+        out->parameter[2] = number(h, "parameterNumber", -1);
+    } else {
+        out->id = number(h, "paramId", -1);
+    }
+}
+
 static enum pel_err take(struct pel_forecast_file *file, codes_handle *h,
                          size_t part, struct pel_fault *fault)
 {
     long edition = number(h, "edition", 0);
     struct pel_forecast_slice slice = { .part = part };
-    struct pel_forecast_name name = { .parameter = { -1, -1, -1 },
-                                      .id = number(h, "paramId", -1) };
+    struct pel_forecast_name name;
     char product[48];
-    if (edition == 2) {
-        name.parameter[0] = number(h, "discipline", -1);
-        name.parameter[1] = number(h, "parameterCategory", -1);
-        name.parameter[2] = number(h, "parameterNumber", -1);
-    }
+    name_of(h, edition, &name);
     if (!pel_forecast_kind_of(&name, &slice.kind)) {
-        bool near = (edition == 2 && name.parameter[0] == 10 &&
-                     name.parameter[1] == 0) ||
-                    (name.id > 140000 && name.id < 141000);
-        if (near) {
-            describe(h, slice.label);
-            pel_forecast_words_add(&file->unread, "%s", slice.label);
+        if ((name.parameter[0] == 10 && name.parameter[1] == 0) ||
+            (name.id > 140000 && name.id < 141000)) {
+            leave_out(file, h, NULL);
         }
         return PEL_OK;
     }
-    describe(h, slice.label);
-    const char *other = other_product(h, edition, &slice.control, product);
-    if (other || !at_its_height(h, edition, name.id, &slice.kind)) {
-        pel_forecast_words_add(&file->unread, "%s%s%s", slice.label,
-                               other ? " " : "", other ? other : "");
+    if (!at_its_height(h, edition, name.id, &slice.kind)) {
+        leave_out(file, h, NULL);
         return PEL_OK;
     }
+    const char *other = other_product(h, edition, &slice.control, product);
+    if (other) {
+        leave_out(file, h, other);
+        return PEL_OK;
+    }
+    describe(h, slice.label);
     if (!time_of(h, edition, &slice)) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "%s: its time cannot be read: %ld, step %ld in "

@@ -69,7 +69,8 @@ static const char *other_product(const struct set *s, const struct variable *v,
     }
     pel_netcdf_text(s->id, v->id, "cell_methods", text, sizeof text);
     const char *time = strstr(text, "time:");
-    if (time && strncmp(time + 5 + strspn(time + 5, " "), "point", 5) != 0) {
+    const char *method = time ? time + 5 + strspn(time + 5, " ") : "point";
+    if (strncmp(method, "point", 5) != 0 && strncmp(method, "inst", 4) != 0) {
         snprintf(out, 96, "cell_methods %.40s", time);
         return out;
     }
@@ -189,7 +190,7 @@ static void list_values(const struct pel_netcdf_axis *a, char out[64])
         length += (size_t)snprintf(out + length, 64 - length, "%s%.6g",
                                    i ? ", " : "", a->values[i]);
     }
-    if (a->values) {
+    if (a->values && *a->unit) {
         snprintf(out + length, 64 - length, " %s", a->unit);
     }
     if (!a->values) {
@@ -744,7 +745,12 @@ enum pel_err pel_forecast_list_netcdf(const char *path,
                              "it is NetCDF that cannot be read: %.100s",
                              nc_strerror(why));
     }
+    int groups = 0;
     enum pel_err err = PEL_OK;
+    if (!nc_inq_grps(s->id, &groups, NULL) && groups > 0) {
+        pel_forecast_words_add(&out->unread, "%d groups (ncks -G : IN OUT)",
+                               groups);
+    }
     for (int v = 0; !err && v < count; v++) {
         size_t before = s->count;
         err = take(out, s, v, fault);
