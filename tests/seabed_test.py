@@ -510,6 +510,8 @@ class Meanings(unittest.TestCase):
         self.is_at(self.netcdf(name="v", long_name="Sea floor Depth"), -40)
         self.is_at(self.netcdf(name="bathymetry"), -40)
         self.is_at(self.netcdf(DOWN, name="elevation"), 40)
+        self.refused(self.netcdf(-DOWN, name="elevation"), "none of its",
+                     "-5", "ELEVATION", kind="depth")
         mixed = DOWN - 42
         self.refused(self.netcdf(mixed, name="depth"), "DEPTH", "ncatted")
         self.is_at(self.netcdf(mixed, name="depth"), 2, "depth")

@@ -160,6 +160,13 @@ enum pel_err pel_raster_sign(const struct pel_raster_meaning *m, bool depths,
                              "FILE",
                              m->why);
     }
+    if (depths && m->way != PEL_RASTER_DOWN && greatest <= 0 && least < 0) {
+        return pel_fault_set(fault, PEL_ERR_CONFLICT,
+                             "seabed.values is DEPTH, and none of its numbers, "
+                             "%g to %g, is above 0: as depths they are all "
+                             "land; set seabed.values ELEVATION",
+                             least, greatest);
+    }
     if (m->way == PEL_RASTER_BY_SIGN && !depths) {
         if (least < 0 && greatest > 0 && has(m->why, "depth")) {
             return pel_fault_set(
