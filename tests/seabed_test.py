@@ -15,6 +15,9 @@ import unittest
 
 import netCDF4
 import numpy as np
+from osgeo import gdal as geo, osr
+
+geo.UseExceptions()
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import cigi_host as cigi
@@ -459,13 +462,20 @@ class Meanings(unittest.TestCase):
             v[:] = np.broadcast_to(grid, v.shape)
         return path
 
-    def tiff(self, *options, values=DOWN, unit=None):
+    def tiff(self, crs="4326", values=DOWN, unit=None):
         """The same as GeoTIFF."""
         path = self.path(".tif")
-        gdal("gdal_translate", "-q", "-a_srs", "EPSG:4326", *options,
-             f"NETCDF:{self.netcdf(values)}:seabed", path)
+        frame = osr.SpatialReference()
+        frame.SetFromUserInput("EPSG:" + crs)
+        to = geo.GetDriverByName("GTiff").Create(
+            path, len(LONS), len(LATS), 1, geo.GDT_Float32)
+        to.SetSpatialRef(frame)
+        to.SetGeoTransform([LONS[0] - STEP / 2, STEP, 0,
+                            LATS[-1] + STEP / 2, 0, -STEP])
+        to.GetRasterBand(1).WriteRaster(
+            0, 0, len(LONS), len(LATS), values[::-1].astype("f4").tobytes())
         if unit is not None:
-            gdal("gdal_edit.py", "-units", unit, path)
+            to.GetRasterBand(1).SetUnitType(unit)
         return path
 
     def is_at(self, path, want, kind="elevation", **place):
@@ -518,13 +528,12 @@ class Meanings(unittest.TestCase):
 
     def test_which_way_by_vertical_crs(self):
         for crs in ("5831", "5715", "5866"):
-            path = self.tiff("-a_srs", "EPSG:4326+" + crs)
+            path = self.tiff("4326+" + crs)
             self.is_at(path, -40)
             self.is_at(path, -40, "depth")
-            self.refused(self.tiff("-a_srs", "EPSG:4326+" + crs,
-                                   values=-DOWN), "none is above 0",
+            self.refused(self.tiff("4326+" + crs, values=-DOWN), "none is above 0",
                          "gdal_edit.py")
-        path = self.tiff("-a_srs", "EPSG:4326+5714", values=-DOWN)
+        path = self.tiff("4326+5714", values=-DOWN)
         self.is_at(path, -40)
         self.refused(path, "MSL height", "ELEVATION", kind="depth")
 
@@ -545,15 +554,14 @@ class Meanings(unittest.TestCase):
             self.refused(self.netcdf(units=unit), f'"{unit}"', "ncatted")
         self.refused(self.tiff(unit="fish"), '"fish"', "gdal_edit.py")
         for crs, foot in (("6360", 1200 / 3937), ("8228", .3048)):
-            srs = ("-a_srs", "EPSG:4326+" + crs)
-            self.is_at(self.tiff(*srs, values=-DOWN / foot), -40)
+            srs = "4326+" + crs
+            self.is_at(self.tiff(srs, values=-DOWN / foot), -40)
             for unit in ("US survey foot", "ft"):
-                self.is_at(self.tiff(*srs, values=-DOWN / foot, unit=unit),
+                self.is_at(self.tiff(srs, values=-DOWN / foot, unit=unit),
                            -40)
-            self.refused(self.tiff(*srs, unit="m"), '"m"', "foot",
+            self.refused(self.tiff(srs, unit="m"), '"m"', "foot",
                          "gdal_edit.py")
-        self.is_at(self.tiff("-a_srs", "EPSG:4326+6358",
-                             values=DOWN / 1200 * 3937), -40)
+        self.is_at(self.tiff("4326+6358", values=DOWN / 1200 * 3937), -40)
 
     def test_order_of_dimensions(self):
         """The coordinates say which is east."""
