@@ -319,6 +319,11 @@ class Cluster(unittest.TestCase):
                            ("head", b"\0"), ("master", b"nobody")):
             self.store.put("bridge/" + key, value)
         until("they notice", lambda: node.cluster()["role"] == "JOINING")
+        until("they tell", lambda: "CLU-023" in node.log())
+        until("they count", lambda: any(
+            line.startswith("pelagos_cluster_foreign_total ")
+            and float(line.split()[1]) >= 3
+            for line in node.get("/metrics").body.decode().splitlines()))
         self.assertTrue(all(n.alive() for n in there))
         self.assertEqual(node.get(PNG).status, 200)
 

@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "base/watch.h"
 #include "cluster/etcdtext.h"
+#include "scene/worker.h"
 
 #define ANSWER_MS 400L  /* a leader that dies leaves requests hanging */
 #define CONNECT_MS 300L /* also of the watch */
@@ -18,7 +19,18 @@
 #define MOST_ATTEMPTS 3 /* of a request at once */
 #define REST_MS 20      /* after a failure */
 #define HOPELESS_MS 500
-#define MOST_BYTES (64u << 20)
+/* Of an answer, and of a line of the watch: etcd takes 1.5 MiB in a request,
+ * and a watch that was cut off brings a thousand changes in a line. */
+#define MOST_ANSWER (4u << 20)
+#define MOST_LINE (16u << 20)
+#define FEW_KEYS 64
+#define MOST_KEYS 1024 /* of an answer: 64 nodes, and what an exercise has */
+/* So that nobody else waits for a millisecond: what is taken from connections
+ * in one turn of the loop, what is read on this thread instead of another, how
+ * long changes are told of. */
+#define TURN_BYTES (32u << 10)
+#define SHORT_BYTES (8u << 10)
+#define TELL_NS 300000
 
 /* One exchange over HTTP: of a request, or the watch's. */
 struct attempt {
@@ -27,10 +39,28 @@ struct attempt {
     size_t endpoint;
     CURL *easy;
     GString *in;
+    size_t taken; /* of it, lines of the watch */
+    bool paused;  /* until the next turn */
+    bool full;    /* more came than may */
+};
+
+/* A text that a thread reads. */
+struct reading {
+    struct pel_task task;
+    struct pel_etcd *etcd;
+    uint64_t request;    /* its serial; 0: a line of the watch */
+    unsigned generation; /* of that */
+    size_t endpoint;
+    long status;
+    char *data;
+    size_t size;
+    struct pel_etcd_text text;
+    enum pel_err err;
 };
 
 struct pel_etcd_request {
     struct pel_etcd *etcd;
+    uint64_t serial;
     char *body;
     GPtrArray *attempts; /* under way */
     size_t begun;
@@ -47,9 +77,11 @@ struct pel_etcd {
     char **endpoints;
     char *cert, *key, *ca;
     size_t endpoint_count, best, watched; /* of requests; of the watch */
-    guint timer;
+    guint timer, resume;
     GPtrArray *requests;
-    uint64_t attempts, failures;
+    struct pel_worker *reader;
+    size_t turn_bytes; /* taken in this turn */
+    uint64_t serial, attempts, failures;
     struct {
         char *prefix; /* NULL: none */
         uint64_t next;
@@ -59,6 +91,11 @@ struct pel_etcd {
         void (*lost)(void *user);
         void *user;
         unsigned generation; /* of the calls of pel_etcd_watch */
+        unsigned session;    /* of its connections */
+        bool reading;        /* a thread has its line */
+        bool telling;        /* `text` is told of from `at` on */
+        struct pel_etcd_text text;
+        guint at;
     } watch;
 };
 
@@ -70,6 +107,7 @@ static gboolean on_socket_ready(gint fd, GIOCondition condition, gpointer user)
 {
     PEL_WATCH("etcd");
     struct pel_etcd *etcd = user;
+    etcd->turn_bytes = 0;
     int running;
     int what = (condition & G_IO_IN ? CURL_CSELECT_IN : 0) |
                (condition & G_IO_OUT ? CURL_CSELECT_OUT : 0) |
@@ -106,6 +144,7 @@ static gboolean on_timeout(gpointer user)
     struct pel_etcd *etcd = user;
     int running;
     etcd->timer = 0;
+    etcd->turn_bytes = 0;
     curl_multi_socket_action(etcd->multi, CURL_SOCKET_TIMEOUT, 0, &running);
     settle(etcd);
     return G_SOURCE_REMOVE;
@@ -126,13 +165,43 @@ static int on_timer(CURLM *multi, long ms, void *user)
 
 /* --- attempts ------------------------------------------------------------- */
 
+static gboolean on_resume(gpointer user);
+
+/* After everybody else: whoever sends without end is not waited for. */
+static void resume_soon(struct pel_etcd *etcd)
+{
+    if (!etcd->resume) {
+        etcd->resume =
+            g_idle_add_full(G_PRIORITY_DEFAULT, on_resume, etcd, NULL);
+    }
+}
+
+static bool watch_is_busy(const struct pel_etcd *etcd)
+{
+    return etcd->watch.reading || etcd->watch.telling;
+}
+
 static size_t on_data(char *data, size_t one, size_t count, void *user)
 {
     struct attempt *attempt = user;
+    struct pel_etcd *etcd = attempt->etcd;
     size_t size = one * count;
-    if (attempt->in->len + size > MOST_BYTES) {
+    size_t most = attempt->request ? MOST_ANSWER : MOST_LINE;
+    if (attempt->in->len - attempt->taken + size > most) {
+        attempt->full = true;
         return 0;
     }
+    bool waits = !attempt->request && watch_is_busy(etcd) &&
+                 attempt->in->len - attempt->taken > TURN_BYTES;
+    if (waits ||
+        (etcd->turn_bytes > 0 && etcd->turn_bytes + size > TURN_BYTES)) {
+        attempt->paused = true;
+        if (!waits) {
+            resume_soon(etcd);
+        }
+        return CURL_WRITEFUNC_PAUSE;
+    }
+    etcd->turn_bytes += size;
     g_string_append_len(attempt->in, data, (gssize)size);
     return size;
 }
@@ -143,8 +212,11 @@ static struct attempt *attempt_begin(struct pel_etcd *etcd,
                                      const char *body)
 {
     struct attempt *attempt = g_new0(struct attempt, 1);
-    *attempt = (struct attempt){ etcd, request, endpoint, curl_easy_init(),
-                                 g_string_new(NULL) };
+    *attempt = (struct attempt){ .etcd = etcd,
+                                 .request = request,
+                                 .endpoint = endpoint,
+                                 .easy = curl_easy_init(),
+                                 .in = g_string_new(NULL) };
     g_autofree char *url = g_strconcat(etcd->endpoints[endpoint], path, NULL);
     CURL *easy = attempt->easy;
     curl_easy_setopt(easy, CURLOPT_URL, url);
@@ -245,6 +317,7 @@ struct pel_etcd_request *pel_etcd_send(struct pel_etcd *etcd,
 {
     struct pel_etcd_request *request = g_new0(struct pel_etcd_request, 1);
     request->etcd = etcd;
+    request->serial = ++etcd->serial;
     request->body = pel_etcd_text_txn(txn);
     request->attempts = g_ptr_array_new_with_free_func(attempt_free);
     request->done = done;
@@ -262,46 +335,154 @@ void pel_etcd_drop(struct pel_etcd_request *request)
     g_ptr_array_remove(request->etcd->requests, request);
 }
 
-static void request_failed(struct attempt *attempt, const char *why)
+static void request_failed(struct pel_etcd_request *request, size_t endpoint,
+                           const char *why)
 {
     static struct pel_log_limit limit;
-    struct pel_etcd_request *request = attempt->request;
-    struct pel_etcd *etcd = attempt->etcd;
+    struct pel_etcd *etcd = request->etcd;
     etcd->failures++;
     pel_log_limited(&limit, PEL_LOG_WARNING, "CLU-001",
                     "%s does not answer: %s; the next one is asked",
-                    etcd->endpoints[attempt->endpoint], why);
-    g_ptr_array_remove(request->attempts, attempt);
+                    etcd->endpoints[endpoint], why);
     if (request->attempts->len == 0) {
         request_again(request, is_hopeless(request) ? HOPELESS_MS : REST_MS);
     }
+}
+
+/* What an attempt brought, read. */
+static void request_take(struct pel_etcd_request *request, size_t endpoint,
+                         long status, enum pel_err err,
+                         const struct pel_etcd_text *text)
+{
+    struct pel_etcd *etcd = request->etcd;
+    if (err || status != 200) {
+        request_failed(request, endpoint,
+                       text->failed ? text->why : "no answer of etcd");
+    } else if (text->answer.kvs->len > MOST_KEYS) {
+        request_failed(request, endpoint, "more keys than an exercise has");
+    } else {
+        pel_etcd_done done = request->done;
+        void *user = request->user;
+        etcd->best = endpoint;
+        g_ptr_array_remove(etcd->requests, request);
+        if (done) {
+            done(user, &text->answer);
+        }
+    }
+}
+
+/* --- reading by a thread -------------------------------------------------- */
+
+static void read_text(struct pel_task *task)
+{
+    struct reading *reading = (struct reading *)task;
+    reading->err =
+        pel_etcd_text_read(reading->data, reading->size, &reading->text);
+    g_free(reading->data); /* megabytes take their time */
+    reading->data = NULL;
+}
+
+static void finish(struct pel_task *task)
+{
+    struct reading *reading = (struct reading *)task;
+    pel_etcd_text_finish(&reading->text);
+    reading->text.answer.kvs = NULL;
+}
+
+static void on_finished(struct pel_task *task, bool dropped)
+{
+    struct reading *reading = (struct reading *)task;
+    (void)dropped;
+    if (reading->text.answer.kvs) {
+        finish(task);
+    }
+    g_free(reading);
+}
+
+/* What has many keys takes its time to free, too. */
+static void finish_text(struct pel_etcd *etcd, struct pel_etcd_text *text)
+{
+    if (text->answer.kvs->len <= FEW_KEYS) {
+        pel_etcd_text_finish(text);
+        return;
+    }
+    struct reading *reading = g_new0(struct reading, 1);
+    reading->task = (struct pel_task){ .work = finish, .done = on_finished };
+    reading->text = *text;
+    pel_worker_push(etcd->reader, &reading->task);
+}
+
+static void watch_read(struct reading *reading);
+
+static void on_read(struct pel_task *task, bool dropped)
+{
+    PEL_WATCH("etcd");
+    struct reading *reading = (struct reading *)task;
+    struct pel_etcd *etcd = reading->etcd;
+    for (guint i = 0; i < etcd->requests->len && !dropped && reading->request;
+         i++) {
+        struct pel_etcd_request *request = g_ptr_array_index(etcd->requests, i);
+        if (request->serial == reading->request) {
+            request_take(request, reading->endpoint, reading->status,
+                         reading->err, &reading->text);
+            break;
+        }
+    }
+    if (!reading->request && !dropped) {
+        watch_read(reading);
+    }
+    if (reading->text.answer.kvs && dropped) {
+        pel_etcd_text_finish(&reading->text);
+    } else if (reading->text.answer.kvs) {
+        finish_text(etcd, &reading->text);
+    }
+    g_free(reading->data);
+    g_free(reading);
+}
+
+/* data: g_free() by it. */
+static struct reading *read_apart(struct pel_etcd *etcd, char *data,
+                                  size_t size)
+{
+    struct reading *reading = g_new0(struct reading, 1);
+    reading->task = (struct pel_task){ .work = read_text, .done = on_read };
+    reading->etcd = etcd;
+    reading->data = data;
+    reading->size = size;
+    return reading;
 }
 
 static void request_ended(struct attempt *attempt, CURLcode code)
 {
     struct pel_etcd *etcd = attempt->etcd;
     struct pel_etcd_request *request = attempt->request;
-    struct pel_etcd_text text;
+    size_t endpoint = attempt->endpoint, size = attempt->in->len;
+    bool full = attempt->full;
     long status = 0;
     curl_easy_getinfo(attempt->easy, CURLINFO_RESPONSE_CODE, &status);
-    enum pel_err err =
-        pel_etcd_text_read(attempt->in->str, attempt->in->len, &text);
+    char *data = g_string_free(attempt->in, FALSE);
+    attempt->in = g_string_new(NULL);
+    g_ptr_array_remove(request->attempts, attempt);
     if (code != CURLE_OK) {
         request->cut +=
             code != CURLE_COULDNT_CONNECT && code != CURLE_OPERATION_TIMEDOUT;
-        request_failed(attempt, curl_easy_strerror(code));
-    } else if (err || status != 200) {
-        request_failed(attempt, text.failed ? text.why : "no answer of etcd");
+        request_failed(request, endpoint,
+                       full ? "its answer is longer than 4 MiB"
+                            : curl_easy_strerror(code));
+    } else if (size > SHORT_BYTES) {
+        struct reading *reading = read_apart(etcd, data, size);
+        reading->request = request->serial;
+        reading->endpoint = endpoint;
+        reading->status = status;
+        pel_worker_push(etcd->reader, &reading->task);
+        return;
     } else {
-        pel_etcd_done done = request->done;
-        void *user = request->user;
-        etcd->best = attempt->endpoint;
-        g_ptr_array_remove(etcd->requests, request);
-        if (done) {
-            done(user, &text.answer);
-        }
+        struct pel_etcd_text text;
+        enum pel_err err = pel_etcd_text_read(data, size, &text);
+        request_take(request, endpoint, status, err, &text);
+        pel_etcd_text_finish(&text);
     }
-    pel_etcd_text_finish(&text);
+    g_free(data);
 }
 
 /* --- the watch ------------------------------------------------------------ */
@@ -316,6 +497,12 @@ static void watch_stop(struct pel_etcd *etcd)
         g_source_remove(etcd->watch.timer);
         etcd->watch.timer = 0;
     }
+    if (etcd->watch.telling) {
+        finish_text(etcd, &etcd->watch.text);
+        etcd->watch.telling = false;
+    }
+    etcd->watch.reading = false; /* a thread's answer is of another session */
+    etcd->watch.session++;
 }
 
 static void watch_begin(struct pel_etcd *etcd)
@@ -360,55 +547,111 @@ void pel_etcd_watch(struct pel_etcd *etcd, const char *prefix,
     watch_begin(etcd);
 }
 
-/* A line of the watch; false: it is another watch now, or none. */
-static bool watch_line(struct pel_etcd *etcd, const char *line, size_t size)
+/* Tells what the line at hand says, as far as there is time in this turn. Who
+ * is told may begin another watch, or none. */
+static void watch_tell(struct pel_etcd *etcd)
 {
-    unsigned generation = etcd->watch.generation;
-    struct pel_etcd_text text;
-    enum pel_err err = pel_etcd_text_read(line, size, &text);
-    bool lost = !err && text.ended && text.compacted;
-    bool failed = err || text.failed || (text.ended && !lost);
-    for (guint i = 0; !failed && i < text.answer.kvs->len &&
-                      generation == etcd->watch.generation;
-         i++) {
-        const struct pel_etcd_kv *kv = g_ptr_array_index(text.answer.kvs, i);
+    unsigned session = etcd->watch.session;
+    struct pel_etcd_text text = etcd->watch.text;
+    guint at = etcd->watch.at;
+    int64_t end_ns = pel_now_ns() + TELL_NS;
+    bool lost = text.ended && text.compacted;
+    bool failed = text.failed || (text.ended && !lost);
+    etcd->watch.telling = false;
+    for (; !failed && at < text.answer.kvs->len &&
+           session == etcd->watch.session && pel_now_ns() < end_ns;
+         at++) {
+        const struct pel_etcd_kv *kv = g_ptr_array_index(text.answer.kvs, at);
         if (kv->mod_revision >= etcd->watch.next && kv->key) {
             etcd->watch.event(etcd->watch.user, kv);
         }
     }
-    bool same = generation == etcd->watch.generation;
+    bool same = session == etcd->watch.session;
+    if (same && !failed && at < text.answer.kvs->len) {
+        etcd->watch.text = text;
+        etcd->watch.at = at;
+        etcd->watch.telling = true;
+        resume_soon(etcd);
+        return;
+    }
     if (same && lost) {
         watch_stop(etcd);
         g_clear_pointer(&etcd->watch.prefix, g_free);
         etcd->watch.lost(etcd->watch.user);
-        same = false;
     } else if (same && failed) {
         pel_etcd_watch_elsewhere(etcd);
-        same = false;
     } else if (same && text.answer.kvs->len > 0 &&
                text.answer.revision >= etcd->watch.next) {
         etcd->watch.next = text.answer.revision + 1;
     }
-    pel_etcd_text_finish(&text);
-    return same && etcd->watch.attempt != NULL;
+    finish_text(etcd, &text);
 }
 
-/* The lines that have come whole. */
+static void watch_take(struct pel_etcd *etcd, enum pel_err err,
+                       struct pel_etcd_text *text)
+{
+    if (err) {
+        finish_text(etcd, text);
+        pel_etcd_watch_elsewhere(etcd);
+        return;
+    }
+    etcd->watch.text = *text;
+    etcd->watch.at = 0;
+    watch_tell(etcd);
+}
+
+static void watch_read(struct reading *reading)
+{
+    struct pel_etcd *etcd = reading->etcd;
+    if (reading->generation != etcd->watch.session) {
+        return;
+    }
+    struct pel_etcd_text text = reading->text;
+    reading->text.answer.kvs = NULL;
+    etcd->watch.reading = false;
+    watch_take(etcd, reading->err, &text);
+    resume_soon(etcd);
+}
+
+/* The lines that have come whole, as many as there is time for. */
 static void watch_lines(struct pel_etcd *etcd)
 {
-    for (;;) {
+    size_t turn = 0;
+    while (!watch_is_busy(etcd)) {
         struct attempt *attempt = etcd->watch.attempt;
+        const char *from = attempt ? attempt->in->str + attempt->taken : NULL;
         const char *end =
-            attempt ? memchr(attempt->in->str, '\n', attempt->in->len) : NULL;
+            attempt ? memchr(from, '\n', attempt->in->len - attempt->taken)
+                    : NULL;
         if (!end) {
-            return;
+            break;
         }
-        size_t size = (size_t)(end - attempt->in->str);
-        g_autofree char *line = g_strndup(attempt->in->str, size);
-        g_string_erase(attempt->in, 0, (gssize)size + 1);
-        if (size > 0 && !watch_line(etcd, line, size)) {
-            return;
+        size_t size = (size_t)(end - from);
+        if (turn > 0 && turn + size > TURN_BYTES) {
+            resume_soon(etcd);
+            break;
         }
+        turn += size + 1;
+        char *line = g_strndup(from, size);
+        attempt->taken += size + 1;
+        if (size > SHORT_BYTES) {
+            struct reading *reading = read_apart(etcd, line, size);
+            reading->generation = etcd->watch.session;
+            etcd->watch.reading = true;
+            pel_worker_push(etcd->reader, &reading->task);
+            break;
+        }
+        struct pel_etcd_text text;
+        if (size > 0) {
+            enum pel_err err = pel_etcd_text_read(line, size, &text);
+            watch_take(etcd, err, &text);
+        }
+        g_free(line);
+    }
+    struct attempt *attempt = etcd->watch.attempt;
+    if (attempt && attempt->taken > attempt->in->len / 2) {
+        g_string_erase(attempt->in, 0, (gssize)attempt->taken);
+        attempt->taken = 0;
     }
 }
 
@@ -436,6 +679,38 @@ static void settle(struct pel_etcd *etcd)
     }
 }
 
+static void go_on(struct attempt *attempt)
+{
+    if (attempt && attempt->paused) {
+        attempt->paused = false;
+        curl_easy_pause(attempt->easy, CURLPAUSE_CONT);
+    }
+}
+
+static gboolean on_resume(gpointer user)
+{
+    PEL_WATCH("etcd");
+    struct pel_etcd *etcd = user;
+    int running;
+    etcd->resume = 0;
+    etcd->turn_bytes = 0;
+    if (etcd->watch.telling) {
+        watch_tell(etcd);
+    }
+    if (!watch_is_busy(etcd)) {
+        go_on(etcd->watch.attempt);
+    }
+    for (guint i = 0; i < etcd->requests->len; i++) {
+        struct pel_etcd_request *request = g_ptr_array_index(etcd->requests, i);
+        for (guint k = 0; k < request->attempts->len; k++) {
+            go_on(g_ptr_array_index(request->attempts, k));
+        }
+    }
+    curl_multi_socket_action(etcd->multi, CURL_SOCKET_TIMEOUT, 0, &running);
+    settle(etcd);
+    return G_SOURCE_REMOVE;
+}
+
 /* --- life ----------------------------------------------------------------- */
 
 enum pel_err pel_etcd_create(const struct pel_etcd_options *options,
@@ -444,6 +719,7 @@ enum pel_err pel_etcd_create(const struct pel_etcd_options *options,
     struct pel_etcd *etcd = g_new0(struct pel_etcd, 1);
     *out = NULL;
     curl_global_init(CURL_GLOBAL_DEFAULT);
+    etcd->reader = pel_worker_create("etcd");
     etcd->endpoints = g_strsplit(options->endpoints, ",", 16);
     etcd->endpoint_count = g_strv_length(etcd->endpoints);
     etcd->requests = g_ptr_array_new_with_free_func(request_free);
@@ -488,7 +764,11 @@ void pel_etcd_destroy(struct pel_etcd *etcd)
         return;
     }
     watch_stop(etcd);
+    pel_worker_destroy(etcd->reader);
     g_ptr_array_free(etcd->requests, TRUE);
+    if (etcd->resume) {
+        g_source_remove(etcd->resume);
+    }
     if (etcd->multi) {
         curl_multi_cleanup(etcd->multi);
     }

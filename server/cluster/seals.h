@@ -117,6 +117,9 @@ void pel_seals_places(struct pel_seals *seals,
                       pel_seals_placed done, void *user);
 void pel_seals_places_drop(struct pel_seals *seals);
 
+/* Values there that no daemon has put (CLU-023): they are passed over. */
+uint64_t pel_seals_foreign(const struct pel_seals *seals);
+
 /* Attempts to reach the store, and those that failed. */
 void pel_seals_count(const struct pel_seals *seals, uint64_t *attempts,
                      uint64_t *failures);

@@ -3,11 +3,13 @@
 #include <glib.h>
 #include <string.h>
 
+#include "base/log.h"
 #include "cluster/etcd.h"
 #include "message.h"
 
 struct pel_seals {
     struct pel_etcd *etcd;
+    uint64_t foreign; /* values that no daemon has put */
     struct pel_seals_events events;
     char *root; /* `bridge/` */
     char *log, *master, *head, *nodes, *place;
@@ -65,6 +67,31 @@ static Pelagos__ClusterMaster *unpack_master(const struct pel_etcd_kv *kv)
         master = NULL;
     }
     return master;
+}
+
+/* A value that is there and says nothing. */
+static void foreign(struct pel_seals *seals, const struct pel_etcd_kv *kv)
+{
+    static struct pel_log_limit limit;
+    seals->foreign++;
+    pel_log_limited(
+        &limit, PEL_LOG_WARNING, "CLU-023",
+        "%.80s of etcd holds %zu bytes that no daemon has put there "
+        "(version %llu): they are passed over; find who writes "
+        "there, and let nodes alone do so",
+        kv->key, kv->size, (unsigned long long)kv->version);
+}
+
+/* NULL: none, or not one that a daemon has put. */
+static Pelagos__SealedFrame *unpack_frame(const struct pel_etcd_kv *kv)
+{
+    Pelagos__SealedFrame *frame =
+        unpack(&pelagos__sealed_frame__descriptor, kv);
+    if (frame && !frame->seal) {
+        release(frame);
+        frame = NULL;
+    }
+    return frame;
 }
 
 /* places: to be released. */
@@ -134,8 +161,19 @@ static void answered(void *user, const struct pel_etcd_answer *answer)
         .master = unpack_master(master),
         .head = unpack(&pelagos__cluster_head__descriptor, head),
         .number = log ? log->version : 0,
-        .last = unpack(&pelagos__sealed_frame__descriptor, log),
+        .last = unpack_frame(log),
     };
+    const struct {
+        const struct pel_etcd_kv *kv;
+        const void *message;
+    } values[] = { { log, view.last },
+                   { master, view.master },
+                   { head, view.head } };
+    for (size_t i = 0; i < G_N_ELEMENTS(values); i++) {
+        if (values[i].kv && !values[i].message) {
+            foreign(seals, values[i].kv);
+        }
+    }
     /* The head before the first frame was put with the master. */
     view.head_revision = view.head && view.head->store_revision
                              ? view.head->store_revision
@@ -169,6 +207,8 @@ static void answered(void *user, const struct pel_etcd_answer *answer)
             void *node = unpack(&pelagos__cluster_node__descriptor, kv);
             if (node) {
                 seals->events.node(seals->events.user, node);
+            } else {
+                foreign(seals, kv);
             }
             release(node);
         }
@@ -367,8 +407,10 @@ static void on_event(void *user, const struct pel_etcd_kv *kv)
         release((void *)places.places);
     } else if (kv->version == 0) {
         return; /* somebody has deleted it */
+    } else if (strcmp(kv->key, seals->head) == 0) {
+        return; /* for those who join */
     } else if (strcmp(kv->key, seals->log) == 0) {
-        message = unpack(&pelagos__sealed_frame__descriptor, kv);
+        message = unpack_frame(kv);
         if (message) {
             to->frame(to->user, kv->version, message, kv->mod_revision);
         }
@@ -382,6 +424,9 @@ static void on_event(void *user, const struct pel_etcd_kv *kv)
         if (message) {
             to->node(to->user, message);
         }
+    }
+    if (kv->version > 0 && !message && strcmp(kv->key, seals->place) != 0) {
+        foreign(seals, kv);
     }
     release(message);
 }
@@ -458,6 +503,11 @@ void pel_seals_destroy(struct pel_seals *seals)
     g_free(seals->nodes);
     g_free(seals->place);
     g_free(seals);
+}
+
+uint64_t pel_seals_foreign(const struct pel_seals *seals)
+{
+    return seals->foreign;
 }
 
 void pel_seals_count(const struct pel_seals *seals, uint64_t *attempts,
