@@ -66,6 +66,15 @@ static inline double pel_clamp(double v, double lo, double hi)
     return v < lo ? lo : v > hi ? hi : v;
 }
 
+/* A direction within 0 <= out < 360, which stays below 360 when it is written
+ * with so many decimals: what would be 360 there is 0. */
+static inline double pel_bearing_deg(double degrees, int decimals)
+{
+    double turned = fmod(degrees, 360);
+    turned += turned < 0 ? 360 : 0;
+    return turned >= 360 - 0.5 * pow(10, -decimals) ? 0 : turned;
+}
+
 /* The least that holds n points; none holds nothing. */
 static inline struct pel_box pel_box_of(const struct pel_vec2 *points, size_t n)
 {

@@ -88,8 +88,7 @@ static void sun_now(struct pel_modbus_map *map, double *azimuth,
     const struct pel_snapshot *s = pel_scene_snapshot(map->scene);
     struct pel_vec3 sun = pel_snapshot_sun(s, pel_scene_time(map->scene));
     pel_snapshot_unref(s);
-    *azimuth = atan2(sun.x, sun.y) / PEL_DEG;
-    *azimuth += *azimuth < 0 ? 360 : 0;
+    *azimuth = pel_bearing_deg(atan2(sun.x, sun.y) / PEL_DEG, 3);
     *elevation = asin(pel_clamp(sun.z, -1, 1)) / PEL_DEG;
 }
 
@@ -134,11 +133,10 @@ static double ship_value(struct pel_modbus_map *map,
         pel_geo_from_local(s->origin_latitude_rad / PEL_DEG,
                            s->origin_longitude_rad / PEL_DEG, e.east_m,
                            e.north_m, &latitude, &longitude);
-        double heading = fmod(e.heading_rad / PEL_DEG, 360);
-        value = source == PEL_SOURCE_SHIP_LATITUDE    ? latitude * 1e7
-                : source == PEL_SOURCE_SHIP_LONGITUDE ? longitude * 1e7
-                : heading < 0                         ? heading + 360
-                                                      : heading;
+        value = source == PEL_SOURCE_SHIP_LATITUDE ? latitude * 1e7
+                : source == PEL_SOURCE_SHIP_LONGITUDE
+                    ? longitude * 1e7
+                    : pel_bearing_deg(e.heading_rad / PEL_DEG, 3);
     }
     pel_snapshot_unref(s);
     return value;

@@ -4,6 +4,8 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "base/vec.h"
+
 void pel_nmea_say(struct pel_nmea_writer *w, char start, const char *format,
                   ...)
 {
@@ -26,7 +28,5 @@ void pel_nmea_say(struct pel_nmea_writer *w, char start, const char *format,
 
 double pel_nmea_bearing(double degrees)
 {
-    double tenths = round(fmod(degrees, 360) * 10);
-    tenths += tenths < 0 ? 3600 : 0;
-    return tenths >= 3600 ? 0 : tenths / 10;
+    return pel_bearing_deg(degrees, 1);
 }

@@ -5,6 +5,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "base/vec.h"
+
 /* CIPA DC-008 (EXIF 2.32). A tag's value of more than four bytes stands behind
  * the directories. */
 enum type {
@@ -180,7 +182,9 @@ static void list_place(const struct pel_photo *p, const struct moment *m,
         add_rationals(gps, 0x07, RATIONAL, t, 3, 100.0);
     }
     add_text(gps, 0x10, "T");
-    add_rationals(gps, 0x11, RATIONAL, &p->heading_deg, 1, 1000.0);
+    /* 0.00 to 359.99, as Exif has it. */
+    double heading = pel_bearing_deg(p->heading_deg, 2);
+    add_rationals(gps, 0x11, RATIONAL, &heading, 1, 100.0);
     add_text(gps, 0x12, "WGS-84");
     if (m->known) {
         char date[32];
@@ -298,9 +302,9 @@ static void write_xmp(const struct pel_photo *p, const struct moment *m,
         "</rdf:RDF>\n</x:xmpmeta>\n<?xpacket end=\"r\"?>",
         p->software, *date ? " xmp:CreateDate=\"" : "", date, *date ? "\"" : "",
         latitude, longitude, llround(fabs(p->altitude_m) * 1000.0),
-        p->altitude_m < 0.0, view, p->time_s, p->heading_deg, p->pitch_deg,
-        p->roll_deg, p->horizontal_fov_deg, p->vertical_fov_deg,
-        p->exposure_ev);
+        p->altitude_m < 0.0, view, p->time_s,
+        pel_bearing_deg(p->heading_deg, 6), p->pitch_deg, p->roll_deg,
+        p->horizontal_fov_deg, p->vertical_fov_deg, p->exposure_ev);
     out->xmp_size =
         size > 0 && (size_t)size < sizeof out->xmp ? (size_t)size : 0;
 }

@@ -17,9 +17,8 @@ void pel_camera_attitude(const struct pel_job *job, size_t draw,
     double c = cos(heading), s = sin(heading);
     struct pel_vec3 level_right = { c, -s, 0 };
     struct pel_vec3 level_up = { -s * ahead.z, -c * ahead.z, level };
-    double degrees =
-        remainder(heading - pel_job_turned(job, draw), 2 * PEL_PI) / PEL_DEG;
-    *heading_deg = degrees < 0 ? degrees + 360 : degrees;
+    *heading_deg =
+        pel_bearing_deg((heading - pel_job_turned(job, draw)) / PEL_DEG, 2);
     *pitch_deg = atan2(ahead.z, level) / PEL_DEG;
     *roll_deg = atan2(-pel_vec3_dot(right, level_up),
                       pel_vec3_dot(right, level_right)) /

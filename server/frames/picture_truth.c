@@ -32,8 +32,7 @@ struct work {
 
 static double degrees(double rad)
 {
-    double d = rad / PEL_DEG;
-    return d < 0 ? d + 360 : d;
+    return pel_bearing_deg(rad / PEL_DEG, 2);
 }
 
 static void set_box(Pelagos__PixelBox *to, const struct pel_truth_box *from)

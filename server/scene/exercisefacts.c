@@ -300,9 +300,7 @@ static double true_degrees(const struct pel_exercise_moment *m,
     double turned = pel_geo_convergence(s->origin_latitude_rad / PEL_DEG,
                                         s->origin_longitude_rad / PEL_DEG,
                                         b->latitude, b->longitude);
-    double degrees = fmod((local_rad - turned) / PEL_DEG, 360);
-    degrees = rounded(degrees < 0 ? degrees + 360 : degrees, 3);
-    return degrees >= 360 ? 0 : degrees;
+    return rounded(pel_bearing_deg((local_rad - turned) / PEL_DEG, 3), 3);
 }
 
 static double over_limit(const struct pel_exercise_moment *m, uint32_t ship,
