@@ -32,9 +32,24 @@ const struct pel_format *pel_format_of(Pelagos__FrameFormat format)
     return NULL;
 }
 
+/* The ending of the table for one of a format, in any case. */
+static const char *known(const char *ending)
+{
+    static const char *const aliases[][2] = {
+#define PEL_FORMAT_ALIAS(ending, of) { ending, of },
+#include "proto/formats.def"
+    };
+    for (size_t i = 0; i < sizeof aliases / sizeof *aliases; i++) {
+        if (strcasecmp(ending, aliases[i][0]) == 0) {
+            return aliases[i][1];
+        }
+    }
+    return ending;
+}
+
 const struct pel_format *pel_format_by_ending(const char *ending)
 {
-    const char *word = strcasecmp(ending, "jpeg") == 0 ? "jpg" : ending;
+    const char *word = known(ending);
     for (int i = 0; i < PEL_FORMATS; i++) {
         if (strcasecmp(word, pel_format_table[i].ending) == 0) {
             return &pel_format_table[i];

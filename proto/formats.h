@@ -39,7 +39,7 @@ void pel_format_names_of(unsigned uses, char *out, size_t size);
 /* The row of a format; NULL: there is none. */
 const struct pel_format *pel_format_of(Pelagos__FrameFormat format);
 
-/* The row of an ending, or of a path by its ending, upper or lower case; jpeg
- * is jpg. NULL: there is none. */
+/* The row of an ending, or of a path by its ending, upper or lower case, an
+ * alias too. NULL: there is none. */
 const struct pel_format *pel_format_by_ending(const char *ending);
 const struct pel_format *pel_format_by_path(const char *path);

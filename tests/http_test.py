@@ -165,6 +165,12 @@ class Endpoints(HttpCase):
                                  "&height=16&layers=radiance,depth,normal")
         for channel in (b"depth.Z\0", b"normal.X\0", b"R\0"):
             self.assertIn(channel, layers.body)
+        for path in ("/v1/views/bridge/frame.jpeg", "/v1/frames.jpeg"):
+            other = self.daemon.get(path + "?width=32&height=16")
+            self.assertEqual(other.status, 200, other)
+            self.assertIn(b"\xff\xd8\xff", other.body)
+        self.assertEqual(
+            self.daemon.get("/v1/views/bridge/frame.JPEG").status, 404)
 
     def test_picture_refusals(self):
         base = "/v1/views/bridge/frame.jpg?"

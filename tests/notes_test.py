@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """What files of pictures say of time, place, camera, sea and water, read by
 exiftool and OpenEXR's exrheader. Live streams say nothing."""
+import contextlib
 import http.client
 import json
 import math
@@ -128,7 +129,9 @@ class Notes(unittest.TestCase):
             notes = exiftool(self.keep(ending))
             gps = "GPS:"
             self.assertEqual(notes["GPS:GPSImgDirectionRef"], "T")
-            self.assertAlmostEqual(notes[gps + "GPSImgDirection"], heading, 2)
+            # To hundredths.
+            self.assertAlmostEqual(notes[gps + "GPSImgDirection"], heading,
+                                   delta=0.0051)
             self.assertAlmostEqual(notes["Composite:GPSLatitude"],
                                    exr["latitude"], 4)
             self.assertAlmostEqual(notes["Composite:GPSLongitude"],
@@ -150,6 +153,63 @@ class Notes(unittest.TestCase):
             self.assertAlmostEqual(xmp["HorizontalFieldOfView"], 50, 2)
             self.assertNotIn("ExifTool:Warning", notes)
             self.assertNotIn("ExifTool:Error", notes)
+
+    def test_north_is_0(self):
+        """Exif has 0.00 to 359.99, and nobody 360."""
+        def turn(yaw, heading=0):
+            answer = self.daemon.patch({
+                "entities": {"1": {"heading": heading}},
+                "views": {self.name: {"yaw": yaw, "roll": 0}}})
+            self.assertEqual(answer.status, 200, answer)
+        self.addCleanup(lambda: self.daemon.patch({
+            "entities": {"1": {"heading": None}},
+            "views": {self.name: {"yaw": 30, "roll": 2}}}))
+        for yaw, exif, written in (
+                (0, 0, 0), (-1e-12, 0, 0), (-1e-7, 0, 0),
+                (-0.003, 0, 0), (-0.007, 359.99, 359.993),
+                (0.004, 0, 0.004)):
+            turn(yaw)
+            notes = exiftool(self.keep("jpg"))
+            self.assertEqual(notes["GPS:GPSImgDirection"], exif, yaw)
+            self.assertAlmostEqual(notes["XMP-pelagos:Heading"], written, 5)
+            self.assertLess(notes["XMP-pelagos:Heading"], 360)
+            number = self.exr()["pelagos.heading"]
+            self.assertTrue(0 <= number < 359.995, (yaw, number))
+            truth = self.daemon.get(f"{self.view}/frame.json").json()
+            for seen in truth.get("entities", []):
+                self.assertTrue(0 <= seen["heading"] < 360, seen)
+        for heading in (360, 0, 359.9999999999):
+            turn(0, heading)
+            notes = exiftool(self.keep("png"))
+            self.assertEqual(notes["GPS:GPSImgDirection"], 0, heading)
+
+    def test_depth_alone_is_found(self):
+        """By readers who look for a channel of that name without a layer's."""
+        with open(self.keep("exr", "width=64&height=36&layers=depth"),
+                  "rb") as file:
+            data = file.read()
+        exr = pelagos.read_exr(data)
+        self.assertEqual(list(exr.channels), ["Y", "depth.Z"])
+        self.assertEqual(list(exr.layers), ["depth"])
+        self.assertEqual(exr["depth"].shape, (36, 64))
+        out = subprocess.run(["ffprobe", "-v", "error", "-show_entries",
+                              "stream=width,height,pix_fmt", "-of", "csv=p=0",
+                              os.path.join(self.folder.name, "picture.exr")],
+                             capture_output=True, text=True)
+        self.assertEqual(out.stdout.strip(), "64,36,grayf32le", out.stderr)
+        self.assertTrue((exr.channels["Y"] == exr["depth"]).all())
+        self.assertGreater(exr["depth"].max(), 100)
+        with contextlib.suppress(ImportError):
+            os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
+            import cv2
+            seen = cv2.imread(os.path.join(self.folder.name, "picture.exr"),
+                              -1)
+            self.assertTrue((seen == exr["depth"]).all())
+        both = pelagos.read_exr(self.daemon.get(
+            f"{self.view}/frame.exr?width=64&height=36&layers=depth,normal"
+        ).body)
+        self.assertNotIn("Y", both.channels)
+        self.assertTrue((both["depth"] == exr["depth"]).all())
 
     def test_the_same_moment_has_the_same_bytes(self):
         for ending in ("jpg", "png", "exr"):

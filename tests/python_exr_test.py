@@ -55,6 +55,16 @@ class ExrReader(unittest.TestCase):
         self.assertEqual(exr.channels["id"][0, 1], 1 << 31)
         self.assertEqual(exr.layers["A"].shape, (3, 2, 2))
 
+    def test_names_of_depth(self):
+        row = [np.asarray([1, 2], "<f4").tobytes()]
+        for names in (["depth.Z"], ["Z"], ["Y", "depth.Z"]):
+            exr = pelagos.read_exr(exr_file([(n, 2) for n in names], 1, 0, 2,
+                                            [row[0] * len(names)]))
+            self.assertEqual(list(exr.layers), ["depth"], names)
+            np.testing.assert_array_equal(exr["depth"], [[1, 2]])
+        exr = pelagos.read_exr(exr_file([("Y", 2)], 1, 0, 2, row))
+        self.assertEqual(list(exr.layers), ["radiance"])
+
     def test_damage_is_refused(self):
         whole = exr_file([("R", 1)], 2, 0, 2, [b"\0" * 4] * 2)
         pelagos.read_exr(whole)

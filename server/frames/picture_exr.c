@@ -216,6 +216,13 @@ enum pel_err pel_picture_encode_layers(const struct pel_output *output,
             };
         }
     }
+    if (output->layers == (unsigned)PEL_LAYER_DEPTH) {
+        /* Where it is alone it is the picture to those who look for one; by Z
+         * without a layer's name ffmpeg finds nothing, and OpenCV zeros. */
+        layers[count] = layers[0];
+        layers[count].name = NULL;
+        layers[count++].channels = "Y";
+    }
     list_attributes(&attributes, output, device);
     double width = c->tan_right - c->tan_left;
     double height = c->tan_top - c->tan_bottom;

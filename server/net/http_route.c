@@ -515,8 +515,8 @@ static const struct pel_route routes[] = {
 
 static bool is_ending(const char *text)
 {
-    const struct pel_format *format = pel_format_by_ending(text);
-    return format && strcmp(format->ending, text) == 0;
+    return pel_format_by_ending(text) &&
+           !strpbrk(text, "ABCDEFGHIJKLMNOPQRSTUVWXYZ");
 }
 
 /* `{name}`: any; `frame.{ending}`: of a format; else the very segment. */

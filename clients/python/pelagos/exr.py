@@ -42,7 +42,9 @@ class Exr:
     def layers(self) -> "dict[str, NDArray[Any]]":
         """Layers as arrays: (height, width, n), or (height, width) for a
         layer of one channel. Channels are in the order R G B A, X Y Z,
-        else by name. What has no layer's name is "radiance".
+        else by name. Without a layer's name "Z" is "depth", "Y" is left out
+        beside "depth.Z" (it is the same once more, where depth is alone in a
+        file), and all others are "radiance".
 
         Of pelagosd: radiance (680, 550, 440 nm) [W m-2 sr-1 nm-1]; depth:
         distance along the ray [m], sky infinite; normal: east, north, up,
@@ -50,8 +52,11 @@ class Exr:
         np = need.numpy()
         groups: dict[str, list[str]] = {}
         for name in self.channels:
-            layer, _, _ = name.rpartition(".")
-            groups.setdefault(layer or "radiance", []).append(name)
+            layer, _, last = name.rpartition(".")
+            bare = "depth" if last == "Z" else "radiance"
+            if name == "Y" and "depth.Z" in self.channels:
+                continue  # depth once more, for readers who look for pictures
+            groups.setdefault(layer or bare, []).append(name)
         order = "RGBAXYZ"
         out = {}
         for layer, names in groups.items():
