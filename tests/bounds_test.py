@@ -430,6 +430,12 @@ class Places(Case):
             self.assertLessEqual(self.daemon.metrics()[
                 "pelagos_http_connections"], 2 * most)
 
+    def test_HTTP_NEWCOMERS(self):
+        with self.rises("HTTP_NEWCOMERS") as most:
+            for _ in range(most + 1):
+                self.addCleanup(self.daemon.connect_http().close)
+            self.assertEqual(self.daemon.get("/v1/state").status, 200)
+
     def test_HTTP_PER_SOURCE(self):
         self.proxied()
         with self.rises("HTTP_PER_SOURCE") as most:

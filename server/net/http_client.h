@@ -42,6 +42,7 @@ struct client {
     int fd;
     struct pel_http_source source;
     struct pel_who who; /* of the last request; NOBODY before its head */
+    bool placed;        /* counts among the connections: a head was admitted */
     bool reserve;       /* has one of the last places: see http_share.h */
     bool open;          /* asks for what is public: /healthz */
     bool gone;          /* the client sends no more */
@@ -97,7 +98,6 @@ struct pel_http_server {
     bool run_again;
     unsigned turns_at_once; /* of the library, without waiting */
     bool closing;
-    bool accepting_reserve; /* of the connection that is being added */
     guint sweeper;
     int hangups; /* an epoll that tells of clients that have gone */
     struct pel_fdsource *hangup_source;

@@ -358,7 +358,6 @@ static void on_connection(void *user, struct MHD_Connection *connection,
                 ->client_addr;
         client->source = pel_http_source_of(server, address);
         client->who = pel_http_first_who(server);
-        client->reserve = server->accepting_reserve;
         client->first = true;
         pel_http_watch_hangup(client);
         client->since_ns = pel_now_ns();
@@ -395,9 +394,7 @@ bool pel_http_server_accept(struct pel_http_server *server, int fd,
                             const struct sockaddr *address, socklen_t size)
 {
     struct pel_http_source source = pel_http_source_of(server, address);
-    if (!pel_http_share_open(server, fd, &source, &server->accepting_reserve)) {
-        return false;
-    }
+    pel_http_share_open(server, &source);
     int on = 1;
     setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     server->accepted++;
@@ -572,7 +569,8 @@ static struct MHD_Daemon *start_library(struct pel_http_server *server)
             MHD_USE_NO_LISTEN_SOCKET | MHD_USE_ERROR_LOG,
         0, NULL, NULL, on_request, server, MHD_OPTION_EXTERNAL_LOGGER,
         on_library_log, server, MHD_OPTION_CONNECTION_LIMIT,
-        server->limits.http_connections + PEL_HTTP_RESERVE + CLOSING_ROOM,
+        server->limits.http_connections + PEL_HTTP_RESERVE +
+            PEL_BOUND_HTTP_NEWCOMERS + CLOSING_ROOM,
         MHD_OPTION_CONNECTION_TIMEOUT, (unsigned)IDLE_S,
         MHD_OPTION_CONNECTION_MEMORY_LIMIT, (size_t)MEMORY_BYTES,
         /* pel_http_admit asks for the one Host, and says so as a problem. */

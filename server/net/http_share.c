@@ -4,8 +4,14 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/log.h"
+#include "bounds.h"
 #include "net/listener.h"
+
+/* Newcomers have so long, and there are so many times a source's share. */
+#define NEW_NS (500 * INT64_C(1000000))
+#define NEWCOMERS (PEL_BOUND_HTTP_NEWCOMERS / PEL_BOUND_HTTP_PER_LOOPBACK)
 
 static struct in6_addr address_of(const struct sockaddr *address)
 {
@@ -85,9 +91,9 @@ static bool may_go(const struct client *each)
            (each->phase == PHASE_ANSWER && each->open);
 }
 
-/* Of the lowest rank the one that has been idle, or in the middle of a head or
- * a body, for longest: whoever sends whole requests is not crowded out by those
- * who do not. `spared`: and all above it. */
+/* Of those with a place, of the lowest rank, the one that has been idle, or in
+ * the middle of a head or a body, for longest: whoever sends whole requests is
+ * not crowded out by those who do not. `spared`: and all above it. */
 static struct client *find_victim(const struct pel_http_server *server,
                                   bool reserve,
                                   const struct pel_http_source *source,
@@ -99,8 +105,8 @@ static struct client *find_victim(const struct pel_http_server *server,
         bool better = !found || each->who.rank > found->who.rank ||
                       (each->who.rank == found->who.rank &&
                        each->since_ns < found->since_ns);
-        if (may_go(each) && better && each->reserve == reserve &&
-            (int)each->who.rank > spared &&
+        if (each->placed && may_go(each) && better &&
+            each->reserve == reserve && (int)each->who.rank > spared &&
             (!source || same_source(&each->source, source))) {
             found = each;
         }
@@ -108,63 +114,28 @@ static struct client *find_victim(const struct pel_http_server *server,
     return found;
 }
 
-static void refuse_client(int fd, int status, const char *words)
+/* Those whose first head has not been read, or was refused. A
+ * source has as many as its share, and four times as many while they have not
+ * had time to say what they want; then the oldest makes room. */
+void pel_http_share_open(struct pel_http_server *server,
+                         const struct pel_http_source *source)
 {
-    char text[256];
-    int n = snprintf(text, sizeof text,
-                     "HTTP/1.1 %d %s\r\nRetry-After: 1\r\n"
-                     "Connection: close\r\nContent-Length: 0\r\n\r\n",
-                     status, words);
-    ssize_t sent = send(fd, text, (size_t)n, MSG_NOSIGNAL | MSG_DONTWAIT);
-    (void)sent; /* a courtesy */
-}
-
-bool pel_http_share_open(struct pel_http_server *server, int fd,
-                         const struct pel_http_source *source, bool *reserve)
-{
-    static struct pel_log_limit limit;
-    unsigned open = 0, same = 0, reserved = 0;
+    struct client *oldest = NULL;
+    unsigned count = 0, share = share_of(server, source);
     for (guint i = 0; i < server->clients->len; i++) {
-        const struct client *each = g_ptr_array_index(server->clients, i);
-        bool counts = each->phase != PHASE_CLOSED;
-        reserved += counts && each->reserve;
-        open += counts && !each->reserve;
-        same += counts && !each->reserve && same_source(&each->source, source);
-    }
-    bool many = !source->proxy && same >= share_of(server, source);
-    const struct pel_http_source *of = many ? source : NULL;
-    *reserve = false;
-    if (!many && open < server->limits.http_connections) {
-        return true;
-    }
-    /* An instructor's idle connection is the last to go, for a newcomer that
-     * may be anybody. */
-    int spared = server->context.token ? PEL_RANK_INSTRUCT : -1;
-    struct client *victim = find_victim(server, false, of, spared);
-    if (!victim) {
-        *reserve = true;
-        if (reserved < PEL_HTTP_RESERVE) {
-            return true;
+        struct client *each = g_ptr_array_index(server->clients, i);
+        if (!each->placed && each->phase != PHASE_CLOSED &&
+            same_source(&each->source, source)) {
+            count++;
+            oldest =
+                !oldest || each->since_ns < oldest->since_ns ? each : oldest;
         }
-        victim = find_victim(server, true, NULL, -1);
     }
-    if (!victim) {
-        *reserve = false;
-        victim = find_victim(server, false, of, -1);
-    }
-    if (victim) {
+    bool late = oldest && pel_now_ns() - oldest->since_ns > NEW_NS;
+    if (oldest && count >= (late ? share : NEWCOMERS * share)) {
         server->evicted++;
-        pel_http_shut(victim);
-        return true;
+        pel_http_shut(oldest);
     }
-    server->refused++;
-    pel_log_limited(&limit, PEL_LOG_WARNING, "NET-020",
-                    "HTTP client refused: %u connections, %u of them from "
-                    "its source",
-                    open, same);
-    refuse_client(fd, many ? 429 : 503,
-                  many ? "Too Many Requests" : "Service Unavailable");
-    return false;
 }
 
 bool pel_http_share_starved(struct pel_http_server *server)
@@ -238,7 +209,7 @@ static struct pel_taken count_busy(const struct client *client,
     const GPtrArray *clients = client->server->clients;
     for (guint i = 0; i < clients->len; i++) {
         const struct client *each = g_ptr_array_index(clients, i);
-        if (each != client && is_busy(each, in) &&
+        if (each != client && each->placed && is_busy(each, in) &&
             (!in->of_source || same_source(&each->source, &client->source))) {
             pel_taken_add(&taken, &client->who, &each->who, 1);
         }
@@ -263,7 +234,8 @@ static bool make_room(const struct client *client, const struct scope *in,
                       (each->who.rank == found->who.rank &&
                        each->since_ns < found->since_ns);
         bool lower = open ? each->open : each->who.rank > client->who.rank;
-        if (each != client && is_busy(each, in) && lower && better &&
+        if (each != client && each->placed && is_busy(each, in) && lower &&
+            better &&
             (!in->of_source || same_source(&each->source, &client->source))) {
             found = each;
         }
@@ -316,16 +288,77 @@ static bool has_share(struct client *client, const struct scope *in,
     }
 }
 
-/* A place among the others for one that has one of the last: a request of a
- * lower role ends for it. */
-static void leave_reserve(struct client *client)
+/* Of those that have a place, but for the reserve. */
+static unsigned count_placed(const struct client *client, bool of_source)
 {
-    const struct scope everywhere = { false, false,
-                                      client->server->limits.http_connections };
-    if (client->reserve && client->who.rank < PEL_RANK_WATCH &&
-        make_room(client, &everywhere, false)) {
+    unsigned count = 0;
+    const GPtrArray *clients = client->server->clients;
+    for (guint i = 0; i < clients->len; i++) {
+        const struct client *each = g_ptr_array_index(clients, i);
+        count += each != client && each->placed && !each->reserve &&
+                 each->phase != PHASE_CLOSED &&
+                 (!of_source || same_source(&each->source, &client->source));
+    }
+    return count;
+}
+
+static unsigned count_reserve(const struct pel_http_server *server)
+{
+    unsigned count = 0;
+    for (guint i = 0; i < server->clients->len; i++) {
+        const struct client *each = g_ptr_array_index(server->clients, i);
+        count += each->placed && each->reserve && each->phase != PHASE_CLOSED;
+    }
+    return count;
+}
+
+static bool end_victim(struct pel_http_server *server, struct client *victim)
+{
+    if (victim) {
+        server->evicted++;
+        pel_http_shut(victim);
+    }
+    return victim != NULL;
+}
+
+/* A place for a connection whose first head has been read: instead of one that
+ * is idle, or one of the last ones. */
+static bool find_place(struct client *client, struct pel_http_answer *answer)
+{
+    static struct pel_log_limit limit;
+    struct pel_http_server *server = client->server;
+    unsigned share = share_of(server, &client->source);
+    unsigned same = count_placed(client, true);
+    unsigned open = count_placed(client, false);
+    bool many = !client->source.proxy && same >= share;
+    bool above = server->context.token && client->who.rank < PEL_RANK_WATCH;
+    const struct scope in = { many, false,
+                              many ? share : server->limits.http_connections };
+    client->reserve = false;
+    if ((!many && open < server->limits.http_connections) ||
+        /* idle ones of one's own rank, not of those above */
+        end_victim(server,
+                   find_victim(server, false, many ? &client->source : NULL,
+                               (int)client->who.rank - 1)) ||
+        (above && make_room(client, &in, false))) {
+        return true;
+    }
+    if (above || client->open) {
+        client->reserve = true;
+        if (count_reserve(server) < PEL_HTTP_RESERVE ||
+            end_victim(server, find_victim(server, true, NULL, -1))) {
+            return true;
+        }
         client->reserve = false;
     }
+    pel_log_limited(&limit, PEL_LOG_WARNING, "NET-020",
+                    "HTTP client refused: %u connections, %u of them from "
+                    "its source",
+                    open, same);
+    refuse_many(client, answer, "the connections",
+                many ? "of this address" : "of all addresses", in.places);
+    answer->status = many ? 429 : 503;
+    return false;
 }
 
 bool pel_http_share_admit(struct client *client,
@@ -338,6 +371,10 @@ bool pel_http_share_admit(struct client *client,
         client->source.address = address;
         client->source.loopback = is_loopback(&address);
     }
+    if (!client->placed && !find_place(client, answer)) {
+        return false;
+    }
+    client->placed = true;
     const struct scope source = { true, false,
                                   share_of(server, &client->source) };
     const struct scope all = { false, false, server->limits.http_connections };
@@ -349,17 +386,19 @@ bool pel_http_share_admit(struct client *client,
         return true;
     }
     bool tokens = server->context.token != NULL;
-    leave_reserve(client);
-    if (client->reserve && tokens && client->who.rank < PEL_RANK_WATCH) {
+    bool above = tokens && client->who.rank < PEL_RANK_WATCH;
+    if (client->reserve && above) {
         return true;
     }
-    if (client->reserve) {
+    if (client->reserve) { /* it had asked for what is public */
+        client->placed = false;
         return refuse_many(client, answer, "the connections", "of this address",
                            source.places);
     }
-    return !(tokens || client->source.proxy) ||
-           (has_share(client, &source, "the connections", answer) &&
-            has_share(client, &all, "the connections", answer));
+    client->placed = !(tokens || client->source.proxy) ||
+                     (has_share(client, &source, "the connections", answer) &&
+                      has_share(client, &all, "the connections", answer));
+    return client->placed;
 }
 
 bool pel_http_share_stream(struct client *client,
