@@ -245,9 +245,11 @@ struct pel_surface_wish {
 /* Borrowed for the call. */
 struct pel_surface_answer {
     double time_s;
-    const struct pel_surface_sample *samples;
+    /* These and the text, by the wish's form, are malloc()ed: who keeps them
+     * sets NULL. */
+    struct pel_surface_sample *samples;
     size_t count;
-    char *text; /* by the wish's form; malloc()ed: who keeps it sets NULL */
+    char *text;
     size_t size;
 };
 

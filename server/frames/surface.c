@@ -220,6 +220,7 @@ void pel_surface_answer(struct pel_frames *frames,
     };
     query->done(query->user, PEL_OK, NULL, &answer);
     query->text = answer.text;
+    query->samples = answer.samples;
     query_free(query);
 }
 

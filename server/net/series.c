@@ -41,11 +41,19 @@ struct pel_series_job {
     void *user;
 };
 
-/* Which question an answer is of. */
+/* Which question an answer is of; then the answer, whose numbers the worker
+ * takes: of 10,000 points that takes tens of milliseconds. */
 struct asked {
+    struct pel_task task;
     struct pel_series_job *job;
     size_t cell;
     struct pel_claim claim;
+    ProtobufCMessage *answer; /* or these, of a surface: */
+    struct pel_surface_sample *samples;
+    size_t count;
+    double time_s;
+    enum pel_err err;
+    struct pel_fault fault;
 };
 
 static void go_on(struct pel_series_job *job);
@@ -124,23 +132,25 @@ static void soon(struct pel_series_job *job)
     }
 }
 
-static void take(struct asked *asked, enum pel_err err,
-                 const struct pel_fault *fault, const ProtobufCMessage *answer)
+static void asked_free(struct asked *asked)
 {
-    PEL_WATCH("series");
-    struct pel_series_job *job = asked->job;
-    struct pel_fault own;
-    if (!err && !job->err) {
-        err = pel_series_table_take(&job->table, asked->cell, answer, &own);
-        fault = err ? &own : fault;
+    pel_claim_give(&asked->claim);
+    free(asked->samples);
+    if (asked->answer) {
+        protobuf_c_message_free_unpacked(asked->answer, NULL);
     }
-    if (err) {
-        fail(job, err, fault);
+    g_free(asked);
+}
+
+static void taken(struct asked *asked)
+{
+    struct pel_series_job *job = asked->job;
+    if (asked->err) {
+        fail(job, asked->err, &asked->fault);
     }
     job->under_way--;
     job->answered++;
-    pel_claim_give(&asked->claim);
-    g_free(asked);
+    asked_free(asked);
     if (job->all) {
         soon(job);
     } else if (job->under_way == 0) {
@@ -148,32 +158,84 @@ static void take(struct asked *asked, enum pel_err err,
     }
 }
 
+static void take_numbers(struct pel_task *task)
+{
+    struct asked *asked = (struct asked *)task;
+    struct pel_series_table *table = &asked->job->table;
+    if (asked->answer) {
+        asked->err = pel_series_table_take(table, asked->cell, asked->answer,
+                                           &asked->fault);
+        return;
+    }
+    Pelagos__Surface *surface =
+        pel_surface_message(asked->time_s, asked->samples, asked->count);
+    asked->err = pel_series_table_take(table, asked->cell, &surface->base,
+                                       &asked->fault);
+    pel_surface_message_free(surface);
+}
+
+static void numbers_taken(struct pel_task *task, bool dropped)
+{
+    struct asked *asked = (struct asked *)task;
+    if (dropped) {
+        asked->err = pel_fault_set(&asked->fault, PEL_ERR_CONFLICT,
+                                   "the daemon is stopping");
+    }
+    taken(asked);
+}
+
+/* The answer has come, or why there is none. */
+static void take(struct asked *asked, enum pel_err err,
+                 const struct pel_fault *fault)
+{
+    PEL_WATCH("series");
+    struct pel_series_job *job = asked->job;
+    if (err) {
+        asked->err = err;
+        asked->fault = *fault;
+    }
+    if (err || job->err || !job->all) {
+        taken(asked);
+        return;
+    }
+    asked->task =
+        (struct pel_task){ .work = take_numbers, .done = numbers_taken };
+    pel_worker_push(job->all->worker, &asked->task);
+}
+
+static void take_message(struct asked *asked, enum pel_err err,
+                         const struct pel_fault *fault,
+                         const ProtobufCMessage *answer)
+{
+    asked->answer = err ? NULL : pel_message_copy(answer);
+    take(asked, err, fault);
+}
+
 static void on_optics(void *user, enum pel_err err,
                       const struct pel_fault *fault,
                       const Pelagos__Optics *answer)
 {
-    take(user, err, fault, err ? NULL : &answer->base);
+    take_message(user, err, fault, err ? NULL : &answer->base);
 }
 
 static void on_spectrum(void *user, enum pel_err err,
                         const struct pel_fault *fault,
                         const Pelagos__Spectrum *answer)
 {
-    take(user, err, fault, err ? NULL : &answer->base);
+    take_message(user, err, fault, err ? NULL : &answer->base);
 }
 
 static void on_surface(void *user, enum pel_err err,
                        const struct pel_fault *fault,
                        struct pel_surface_answer *answer)
 {
-    Pelagos__Surface *surface =
-        answer ? pel_surface_message(answer->time_s, answer->samples,
-                                     answer->count)
-               : NULL;
-    take(user, err, fault, surface ? &surface->base : NULL);
-    if (surface) {
-        pel_surface_message_free(surface);
+    struct asked *asked = user;
+    if (answer) {
+        asked->samples = g_steal_pointer(&answer->samples);
+        asked->count = answer->count;
+        asked->time_s = answer->time_s;
     }
+    take(asked, err, fault);
 }
 
 /* --- questions ----------------------------------------------------------- */
@@ -246,8 +308,7 @@ static enum pel_err ask_one(struct pel_series_job *job, struct pel_fault *fault)
     err = ask_it(job, question, asked, fault);
     protobuf_c_message_free_unpacked(question, NULL);
     if (err) {
-        pel_claim_give(&asked->claim);
-        g_free(asked);
+        asked_free(asked);
         job->asked--;
         job->under_way--;
     }

@@ -177,7 +177,7 @@ static struct session *owed(struct job *job, enum pel_err err,
                             const struct pel_fault *fault)
 {
     struct session *self = job->session;
-    if (!job_end(job)) {
+    if (!job_end(job) || !self) {
         return NULL;
     }
     self->owes = false;
