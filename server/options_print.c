@@ -297,7 +297,8 @@ static void print_developer(FILE *to, const struct pel_options *options)
 {
     char value[PEL_OPTION_TEXT];
     for (const struct pel_option *o = pel_developer_table; o->name; o++) {
-        if (getenv(o->name) && *getenv(o->name)) {
+        const char *set = getenv(o->name);
+        if (set && *set) {
             pel_option_text(o, options, value);
             fprintf(to, "\n# The environment sets %s=%s, which has no key.\n",
                     o->name, value);

@@ -318,7 +318,15 @@ static enum pel_err read_outlets(const struct pel_nmea_out_options *options,
     enum pel_err err = PEL_OK;
     for (guint i = 0; i < count && !err; i++) {
         struct outlet *outlet = &o->outlets[o->count++];
-        err = read_outlet(options, words[i], outlet, fault);
+        struct pel_nmea_out_options own = *options;
+        const char *at = strchr(words[i], '@');
+        for (guint k = 0; k < i; k++) { /* one line of metrics a host */
+            own.metrics = strcmp(pel_target_text(o->outlets[k].to),
+                                 at ? at + 1 : words[i]) == 0
+                              ? NULL
+                              : own.metrics;
+        }
+        err = read_outlet(&own, words[i], outlet, fault);
     }
     for (size_t i = 0; i < o->count && !err; i++) {
         pel_info("NMO-001", "NMEA 0183 of entity %u is sent over UDP to %s",

@@ -217,8 +217,8 @@ static void collect(void *user, struct pel_metrics_page *page)
 {
     const struct pel_target *t = user;
     char label[PEL_TARGET_HOST + 64];
-    snprintf(label, sizeof label, "option=\"%s\",host=\"%s\"", t->option,
-             t->host);
+    snprintf(label, sizeof label, "option=\"%s\",host=\"%s:%u\"", t->option,
+             t->host, t->port);
     pel_metric(page, "pelagos_target_resolved", PEL_METRIC_GAUGE,
                "Whether the name of a host that is sent to has an address.",
                label, t->size > 0);
