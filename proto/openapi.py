@@ -109,6 +109,7 @@ ANSWERS = {
               "image/svg+xml"), ["ETag"]),
     "metrics": (("text/plain",), []),
     "csv": (("text/csv",), []),
+    "soundings": (("application/octet-stream",), []),
     "schema": (("text/plain",), ["ETag"]),
     "pictures": (("multipart/mixed",), MOMENT),
     "mjpeg": (("multipart/x-mixed-replace",), ["X-Pelagos-Unix"]),

@@ -250,6 +250,13 @@ describe("the plan", () => {
     home = folder();
     const rows = Array.from({ length: 60 }, (_, j) => Array(60).fill(
       (j < 24 ? 4 : -12).toFixed(1)).join(" "));
+    // A mole of 22 m, with a light at its end, in 14 m of water.
+    const mole = Array.from({ length: 400 }, (_, j) => Array.from(
+      { length: 400 }, (__, i) => j >= 180 && j < 182 && i >= 100 && i < 190
+        ? 3 : -14).join(" "));
+    fs.writeFileSync(path.join(home, "mole.asc"), "ncols 400\nnrows 400\n" +
+      "xllcorner 5.18\nyllcorner 52.58\ncellsize 0.0001\n" +
+      `${mole.join("\n")}\n`);
     fs.writeFileSync(path.join(home, "bay.asc"), "ncols 60\nnrows 60\n" +
       "xllcorner 5.17\nyllcorner 52.57\ncellsize 0.001\n" +
       `NODATA_value -9999\n${rows.join("\n")}\n`);
@@ -291,6 +298,45 @@ describe("the plan", () => {
       return north[0] > north[2] && south[2] > south[0];
     });
     await shot("plan-depths");
+  });
+
+  test("keeps a mole at any scale, and shows a light as one", async () => {
+    await bay.patch({ seabed: { file: "mole.asc" }, views: null,
+      origin: { latitude: 52.6, longitude: 5.2 }, entities: [
+        { id: 1, name: "ownship", latitude: 52.6, longitude: 5.2 },
+        { id: 2, name: "head", latitude: 52.6019, longitude: 5.1985,
+          lights: "ON", light: { character: "Oc G 4s" } }] });
+    await open(`${bay.url}/?plan=1`, { wait: false });
+    await until("the plan", () => page.locator("#plan-large #plan")
+      .isVisible());
+    const plan = page.locator("#plan");
+    await plan.focus();
+    const number = async (name) => Number(await plan.getAttribute(name));
+    for (const scale of [1.5, 6, 25]) {
+      await until(`${scale} metres a pixel`, async () => {
+        await page.keyboard.press(await number("data-scale") < scale ? "-"
+          : "+");
+        const now = await number("data-scale");
+        return now > scale * 0.7 && now < scale * 1.4;
+      });
+      await until(`the mole at ${scale}`, async () =>
+        await number("data-land") > 0 && await number("data-asked") ===
+          await number("data-scale"));
+      await shot(`plan-mole-${scale}`);
+    }
+    // Green where the light's flare is, and no hull of a ship.
+    await until("1.5 metres a pixel", async () => {
+      await page.keyboard.press("+");
+      return await number("data-scale") < 1.5;
+    });
+    await until("a green flare", async () => {
+      const { width, height } = await plan.boundingBox();
+      const scale = await number("data-scale");
+      const [x, y] = [width / 2 - 101.6 / scale, height / 2 - 211.4 / scale];
+      const [r, g, b] = await ink(x + 6, y + 6);
+      return g > 150 && g > r + 60 && g > b + 40;
+    });
+    await shot("plan-light");
   });
 
   test("measures range and bearing, by pointer and by keys", async () => {

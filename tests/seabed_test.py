@@ -140,6 +140,57 @@ class Seabed(unittest.TestCase):
         self.assertEqual(answer.status, 400, answer)
         self.assertIn("at most 255 bytes", answer.body.decode())
 
+    def soundings(self, columns, rows, **query):
+        answer = self.daemon.get("/v1/soundings?" + "&".join(
+            f"{k}={v}" for k, v in dict(query, columns=columns,
+                                        rows=rows).items()))
+        self.assertEqual(answer.status, 200, answer)
+        return np.frombuffer(answer.body, "<f4").reshape(rows, columns)
+
+    def test_soundings_are_those_of_the_surface(self):
+        self.choose(file="geographic.tif")
+        for turn in (0, 37):
+            grid = self.soundings(9, 5, latitude=52.6, longitude=5.2,
+                                  spacing=40, turn=turn)
+            a = np.radians(turn)
+            points = [[right * np.cos(a) + up * np.sin(a),
+                       up * np.cos(a) - right * np.sin(a)]
+                      for up in np.arange(80, -81, -40)
+                      for right in np.arange(-160, 161, 40)]
+            want = [p["depth"] for p in self.points(points)]
+            np.testing.assert_allclose(grid.ravel(), want, atol=1e-3)
+        far = self.soundings(3, 3, latitude=10, longitude=5, spacing=10)
+        self.assertTrue(np.isnan(far).all())
+        whole = self.soundings(512, 512, spacing=0.5)
+        self.assertEqual(whole.shape, (512, 512))
+
+    def test_soundings_keep_a_mole_at_any_scale(self):
+        """24 m broad, 600 m long, in 14 m of water: land in every raster."""
+        rows = np.full((400, 400), -14.0)
+        rows[180:182, 100:190] = 3.0
+        with open(os.path.join(self.folder, "mole.asc"), "w") as f:
+            f.write("ncols 400\nnrows 400\nxllcorner 5.18\nyllcorner 52.58\n"
+                    "cellsize 0.0001\n" + "\n".join(
+                        " ".join(map(str, row)) for row in rows))
+        self.choose(file="mole.asc")
+        latitude, longitude = 52.62 - 181 * 0.0001, 5.18 + 145 * 0.0001
+        for spacing in (1, 3, 7, 20, 50, 120, 400, 1500, 20000):
+            grid = self.soundings(32, 32, latitude=latitude + 2e-5,
+                                  longitude=longitude, spacing=spacing, turn=5)
+            self.assertGreaterEqual((grid < 0).sum(), min(600 // spacing, 20) or 1,
+                                    spacing)
+
+    def test_soundings_without_a_file_and_beyond_their_bounds(self):
+        self.daemon.patch({"seabed": None})
+        answer = self.daemon.get("/v1/soundings")
+        self.assertEqual((answer.status, answer.json()["path"]),
+                         (409, "seabed.file"), answer)
+        for query in ("columns=513", "rows=0", "spacing=0", "latitude=91",
+                      "columns=x", "nothing=1", "spacing=nan"):
+            answer = self.daemon.get("/v1/soundings?" + query)
+            self.assertEqual(answer.status, 400, query)
+            self.assertIn(query.split("=")[0], answer.body.decode())
+
     def test_a_simulator_finds_land(self):
         self.choose(file="geographic.tif")
         # 4 km east of the origin is land; a slope

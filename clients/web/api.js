@@ -71,7 +71,7 @@ export function inTurn(work) {
   return turn;
 }
 
-export async function perform(method, path, body, more) {
+async function asked(method, path, body, more) {
   let response;
   try {
     response = await fetch(path, {
@@ -84,9 +84,28 @@ export async function perform(method, path, body, more) {
   } catch (error) {
     throw new Gone(error.message);
   }
-  const text = await response.text().catch((error) => {
-    throw new Gone(error.message);
-  });
+  return response;
+}
+
+const lost = (error) => {
+  throw new Gone(error.message);
+};
+
+// Numbers as the server has them, of 32 bits each.
+export async function floats(path) {
+  const response = await asked("GET", path);
+  if (!response.ok) {
+    throw new Problem(await response.json().catch(() => ({})),
+      response.status);
+  }
+  const data = new DataView(await response.arrayBuffer().catch(lost));
+  return Float32Array.from({ length: data.byteLength / 4 }, (_, i) =>
+    data.getFloat32(4 * i, true));
+}
+
+export async function perform(method, path, body, more) {
+  const response = await asked(method, path, body, more);
+  const text = await response.text().catch(lost);
   let json = {};
   try {
     json = text ? JSON.parse(text) : {};

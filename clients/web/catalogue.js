@@ -13,6 +13,10 @@ const MARK = /^(LATERAL|CARDINAL|SAFE_WATER|SPECIAL|ISOLATED|BEACON|LIGHT_FLOAT)
 const ADRIFT = /^(LIFE_RAFT|PERSON)/;
 export const isMark = (model) => MARK.test(model?.class ?? "");
 export const isAdrift = (model) => ADRIFT.test(model?.class ?? "");
+// A light that stands somewhere: of a mark, or of nothing that could sail.
+export const isLight = (entity, model) => entity.light !== undefined &&
+  entity.lights !== "OFF" && (isMark(model) ||
+    entity.model === undefined && !(entity.speed > 0) && !entity.helm?.on);
 export const lower = (word) => word.toLowerCase().replaceAll("_", " ");
 
 export class Catalogue {
@@ -57,6 +61,6 @@ export class Catalogue {
   what(entity) {
     const own = this.of(entity);
     return own ? lower(own.class ?? "OTHER")
-      : entity?.model?.name ?? "no shape";
+      : entity?.model?.name ?? (isLight(entity ?? {}) ? "light" : "no shape");
   }
 }

@@ -4,7 +4,8 @@
 
 import { bearing, cameraOf, metres, offset, reckoned, shifted, three, wrap }
   from "/geo.js";
-import { drawFan, drawHull, drawMark, drawRose } from "/plansigns.js";
+import { isLight } from "/catalogue.js";
+import { drawFan, drawHull, drawLight, drawMark, drawRose } from "/plansigns.js";
 import { ownShip } from "/scenes.js";
 
 const RAD = Math.PI / 180;
@@ -290,7 +291,11 @@ export class Plan {
       const model = this.catalogue.of(entity);
       const heading = wrap(at.heading - this.turn);
       this.drawSpeed(entity, at, [x, y], ink);
-      if (!drawMark(g, [x, y], model)) {
+      const light = isLight(entity, model);
+      if (light) {
+        drawLight(g, [x, y], entity.light?.character);
+      }
+      if (!drawMark(g, [x, y], model) && !light) {
         const { length, beam } = this.catalogue.sizes(entity);
         drawHull(g, [x, y], heading, length / this.scale, beam / this.scale,
           ink, entity.model === undefined);

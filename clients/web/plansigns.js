@@ -1,11 +1,16 @@
 // Signs of the plan: hulls, marks, what a camera sees, wind and swell.
 
 const RAD = Math.PI / 180;
-const COLOURS = { "lateral-port-a": "#ff5f57", "lateral-starboard-a": "#3fd17a",
-  "lateral-port-b": "#3fd17a", "lateral-starboard-b": "#ff5f57",
-  "safe-water": "#ff8f87", "special-mark": "#ffd84d",
-  "isolated-danger": "#ff5f57", person: "#ff9d3b", "life-raft": "#ff9d3b" };
-const CARDINAL = "#ffd84d";
+// By what a thing is, whatever its shape is called; of IALA's region B by name.
+const COLOURS = { LATERAL_PORT: "#ff5f57", LATERAL_STARBOARD: "#3fd17a",
+  SAFE_WATER: "#ff8f87", SPECIAL_MARK: "#ffd84d", ISOLATED_DANGER: "#ff5f57",
+  CARDINAL_NORTH: "#ffd84d", CARDINAL_EAST: "#ffd84d",
+  CARDINAL_SOUTH: "#ffd84d", CARDINAL_WEST: "#ffd84d", BEACON: "#f2f2f2",
+  LIGHT_FLOAT: "#f2f2f2", PERSON: "#ff9d3b", LIFE_RAFT: "#ff9d3b" };
+const REGION_B = { LATERAL_PORT: COLOURS.LATERAL_STARBOARD,
+  LATERAL_STARBOARD: COLOURS.LATERAL_PORT };
+const LIGHTS = { R: "#ff5f57", G: "#3fd17a", Y: "#ffd84d", Bu: "#7fb2ff",
+  W: "#fff3b0" };
 
 function path(g, points) {
   g.beginPath();
@@ -39,12 +44,29 @@ export function drawHull(g, at, heading, length, beam, ink, hollow) {
   });
 }
 
+// A light's flare, as charts have it, of its first colour; a dot where it
+// stands.
+export function drawLight(g, [x, y], character) {
+  const [, colour = "W"] = /\b(R|G|Y|Bu|W)/.exec(character ?? "") ?? [];
+  g.fillStyle = LIGHTS[colour];
+  g.strokeStyle = "#02070b";
+  g.lineWidth = 0.8;
+  turned(g, [x, y], 135, () => {
+    path(g, [[0, 2], [3.4, -12], [0, -15], [-3.4, -12]]);
+    g.fill();
+    g.stroke();
+  });
+  g.beginPath();
+  g.arc(x, y, 2, 0, 2 * Math.PI);
+  g.fill();
+  g.stroke();
+}
+
 // false: what it is has no sign of its own.
 export function drawMark(g, [x, y], model) {
   const kind = model?.class ?? "";
-  const colour = COLOURS[model?.name] ??
-    (kind.startsWith("CARDINAL") ? CARDINAL
-      : /BEACON|LIGHT_FLOAT/.test(kind) ? "#f2f2f2" : undefined);
+  const colour = /-b$/.test(model?.name ?? "") && REGION_B[kind] ||
+    COLOURS[kind];
   if (!colour) {
     return false;
   }

@@ -1,6 +1,7 @@
 #include "net/http_client.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
 
@@ -15,6 +16,7 @@
 #include "scene/almanac.h"
 #include "scene/catalogue.h"
 #include "scene/led.h"
+#include "scene/soundings.h"
 
 #define STREAM_BLOCK 65536
 #define STREAM_SOCKET_BUFFER (256 * 1024)
@@ -373,6 +375,40 @@ enum MHD_Result pel_http_send_spectrum(struct client *client,
               : pel_command_spectrum(client->server->context.scene,
                                      answer->spectrum, on_spectrum, waiter,
                                      &fault);
+    pel_http_answer_finish(answer);
+    return wait_on(client, waiter, err, &fault);
+}
+
+static void on_soundings(void *user, enum pel_err err,
+                         const struct pel_fault *fault, float *depth_m,
+                         size_t count)
+{
+    if (err != PEL_OK) {
+        wait_answer(user, err, fault, NULL);
+        return;
+    }
+    struct client *client = pel_http_wait_end(user);
+    if (!client) {
+        free(depth_m);
+        return;
+    }
+    struct pel_http_answer out = { .status = 200,
+                                   .type = "application/octet-stream",
+                                   .owned = (char *)depth_m,
+                                   .body = depth_m,
+                                   .size = count * sizeof *depth_m };
+    pel_http_send(client, &out);
+    pel_http_resume(client);
+}
+
+enum MHD_Result pel_http_send_soundings(struct client *client,
+                                        struct pel_http_answer *answer)
+{
+    struct pel_fault fault;
+    struct waiter *waiter = pel_http_wait_begin(client);
+    enum pel_err err = pel_scene_ask_soundings(client->server->context.scene,
+                                               answer->soundings, on_soundings,
+                                               waiter, &fault);
     pel_http_answer_finish(answer);
     return wait_on(client, waiter, err, &fault);
 }

@@ -196,6 +196,8 @@ enum MHD_Result pel_http_send_recordings(struct client *client,
                                          struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_spectrum(struct client *client,
                                        struct pel_http_answer *answer);
+enum MHD_Result pel_http_send_soundings(struct client *client,
+                                        struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_almanac(struct client *client,
                                       struct pel_http_answer *answer);
 enum MHD_Result pel_http_send_place(struct client *client,

@@ -104,11 +104,12 @@ void pel_http_post_optics(const struct pel_http_call *call)
     }
 }
 
-void pel_http_get_almanac(const struct pel_http_call *call)
+/* A message whose fields are the query's parameters; NULL: it was refused. */
+static ProtobufCMessage *read_query(const struct pel_http_call *call,
+                                    const ProtobufCMessageDescriptor *type)
 {
     struct pel_fault fault;
-    ProtobufCMessage *query =
-        pel_message_new(&pelagos__almanac_query__descriptor);
+    ProtobufCMessage *query = pel_message_new(type);
     enum pel_err err = PEL_OK;
     for (size_t i = 0; i < call->target->query_count && err == PEL_OK; i++) {
         const struct pel_http_pair *pair = &call->target->query[i];
@@ -120,8 +121,25 @@ void pel_http_get_almanac(const struct pel_http_call *call)
     if (err != PEL_OK) {
         protobuf_c_message_free_unpacked(query, NULL);
         pel_http_refuse(call, err == PEL_ERR_NOT_FOUND ? 400 : 0, &fault);
-        return;
+        return NULL;
     }
-    call->answer->kind = PEL_HTTP_ALMANAC;
-    call->answer->almanac = (Pelagos__AlmanacQuery *)query;
+    return query;
+}
+
+void pel_http_get_almanac(const struct pel_http_call *call)
+{
+    call->answer->almanac = (Pelagos__AlmanacQuery *)read_query(
+        call, &pelagos__almanac_query__descriptor);
+    if (call->answer->almanac) {
+        call->answer->kind = PEL_HTTP_ALMANAC;
+    }
+}
+
+void pel_http_get_soundings(const struct pel_http_call *call)
+{
+    call->answer->soundings = (Pelagos__SoundingsQuery *)read_query(
+        call, &pelagos__soundings_query__descriptor);
+    if (call->answer->soundings) {
+        call->answer->kind = PEL_HTTP_SOUNDINGS;
+    }
 }

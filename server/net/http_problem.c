@@ -155,6 +155,10 @@ void pel_http_answer_finish(struct pel_http_answer *answer)
         pelagos__spectrum_query__free_unpacked(answer->spectrum, NULL);
         answer->spectrum = NULL;
     }
+    if (answer->soundings) {
+        pelagos__soundings_query__free_unpacked(answer->soundings, NULL);
+        answer->soundings = NULL;
+    }
     if (answer->almanac) {
         pelagos__almanac_query__free_unpacked(answer->almanac, NULL);
         answer->almanac = NULL;

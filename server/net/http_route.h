@@ -55,6 +55,7 @@ enum pel_http_kind {
     PEL_HTTP_OPTICS,     /* carry out `optics`, answer with JSON */
     PEL_HTTP_SPECTRUM,   /* carry out `spectrum`, answer with JSON */
     PEL_HTTP_ALMANAC,    /* carry out `almanac`, answer with JSON */
+    PEL_HTTP_SOUNDINGS,  /* carry out `soundings`, answer with floats */
     PEL_HTTP_MODELS,     /* list the models, answer with JSON */
     PEL_HTTP_SERIES,     /* carry out `series`, answer with its file */
     PEL_HTTP_PATCH,      /* commit `patch`, answer with the state */
@@ -102,6 +103,7 @@ struct pel_http_answer {
     Pelagos__OpticsQuery *optics;
     Pelagos__SpectrumQuery *spectrum;
     Pelagos__AlmanacQuery *almanac;
+    Pelagos__SoundingsQuery *soundings;
     Pelagos__SeriesQuery *series;
     Pelagos__Patch *patch;
     Pelagos__ClusterPlaceCommand *place;

@@ -202,6 +202,8 @@ enum MHD_Result pel_http_take(struct client *client)
         return pel_http_send_optics(client, &answer);
     case PEL_HTTP_SPECTRUM:
         return pel_http_send_spectrum(client, &answer);
+    case PEL_HTTP_SOUNDINGS:
+        return pel_http_send_soundings(client, &answer);
     case PEL_HTTP_ALMANAC:
         return pel_http_send_almanac(client, &answer);
     case PEL_HTTP_SERIES:

@@ -31,6 +31,7 @@ bool pel_http_of_debrief(struct pel_http_context *context,
 void pel_http_get_optics(const struct pel_http_call *call);
 void pel_http_post_optics(const struct pel_http_call *call);
 void pel_http_get_almanac(const struct pel_http_call *call);
+void pel_http_get_soundings(const struct pel_http_call *call);
 /* http_series.c */
 void pel_http_get_spectrum(const struct pel_http_call *call);
 void pel_http_get_series(const struct pel_http_call *call);
