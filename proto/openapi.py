@@ -91,7 +91,10 @@ HEADERS = {
                         COUNT),
     "X-Pelagos-Time": ("simulated time that the picture shows [s]", NUMBER),
     "X-Pelagos-Revision": ("of the state that it shows", COUNT),
-    "X-Pelagos-Stale": ("inputs that were silent, or 0", TEXT),
+    "X-Pelagos-Stale": ("inputs that were silent; `poses` is no input: a ship "
+                        "that moves stands, since her last pose is older than "
+                        "clock.reckoning; `none`", TEXT),
+    "X-Pelagos-Ground": ("`inside`: the camera is in the ground", TEXT),
     "X-Pelagos-Host-Frame": ("newest frame of a CIGI host", COUNT),
     "X-Pelagos-Unix": ("the daemon's clock as it answers: UTC [s]", NUMBER),
     "X-Pelagos-Render-Ms": ("drawing [ms]", NUMBER),

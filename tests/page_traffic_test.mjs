@@ -445,3 +445,55 @@ describe("scenes", () => {
     await shot("harbour");
   });
 });
+
+test("own ship's shape takes the camera to its bridge", async () => {
+  await fresh();
+  await daemon.patch({ views: [
+    { name: "bridge", entity: 1, up: 15, yaw: 20, width: 320, height: 180 },
+    { name: "mast", entity: 1, up: 90, forward: 3, width: 320, height: 180 },
+    { name: "shore", width: 320, height: 180 }] });
+  await open(daemon.url);
+  await openSections();
+  await until("the models", () =>
+    page.locator("#ship-model option[value=container-ship]").count());
+  await page.locator("#ship-id").selectOption("1");
+  await page.locator("#ship-model").selectOption("container-ship");
+  let models;
+  await until("their eye points", async () => {
+    ({ models } = await daemon.request("GET", "/v1/models"));
+    return ["container-ship", "tug"].every((name) =>
+      models.find((m) => m.name === name).eyes);
+  });
+  const [eye] = models.find((m) => m.name === "container-ship").eyes;
+  const views = async () => Object.fromEntries((await state()).views.map((v) =>
+    [v.name, v]));
+  await until("her bridge", async () => {
+    const { bridge } = await views();
+    return Math.abs(bridge.forward - eye.forward) < 0.02 &&
+      Math.abs(bridge.up - eye.up) < 0.02 && bridge.yaw === 20;
+  });
+  const { mast, shore } = await views();
+  assert.deepEqual([mast.up, mast.forward, shore.up], [90, 3, 10],
+    "what stands outside her stays");
+  assert.equal(await page.locator("#view-way").inputValue(), "eye 0");
+  await page.locator("#ship-model").selectOption("tug");
+  const tug = models.find((m) => m.name === "tug").eyes[0];
+  await until("a tug's", async () =>
+    Math.abs((await views()).bridge.up - tug.up) < 0.02);
+});
+
+test("a ship that outran her reckoning is no silent input", async () => {
+  await fresh();
+  const { time } = (await state()).clock;
+  await daemon.patch({ clock: { mode: "STEPPED" }, entities: { 5: {
+    name: "Stevin", latitude: 52.601, longitude: 5.2, speed: 4,
+    poseTime: time } } });
+  await daemon.request("POST", "/v1/clock/step", { seconds: 90 });
+  await open(daemon.url);
+  await until("what stands", async () => await page.locator(".stale-note")
+    .isVisible() && await text(".stale-note"));
+  assert.equal(await text(".stale-note"),
+    "Stevin stands: no new pose for 60 s");
+  assert.equal(await page.locator("#silent").isVisible(), false);
+  await daemon.patch({ entities: { 5: null }, clock: { mode: "FREE" } });
+});

@@ -384,6 +384,25 @@ class Pictures(OceanCase):
             np.testing.assert_allclose(again.position, camera.position,
                                        atol=1e-4)
 
+    def test_stands_at_an_eye_point(self):
+        o = self.ocean
+        o.entities[1].set(model={"name": "tug"})
+        view = o.views["bridge"]
+        view.stand(1)
+        [model] = [m for m in o.models().models if m.name == "tug"]
+        for length in (None, 40.0):
+            o.entities[1].set(model={"name": "tug", "length": length})
+            view.stand(1, model.eyes[0].name)
+            times = (length or model.length) / model.length
+            self.assertEqual((view["forward"], view["up"]),
+                             (round(model.eyes[0].forward * times, 3),
+                              round(model.eyes[0].up * times, 3)))
+        with self.assertRaisesRegex(LookupError, "no eye point 'mast'"):
+            view.stand(1, "mast")
+        o.entities[1].set(model=None)
+        with self.assertRaisesRegex(LookupError, "has no model"):
+            view.stand(1)
+
     def test_curved_sea(self):
         """A camera agrees with the daemon's boxes and with its depth up to the
         horizon, from 2 to 20,000 m."""

@@ -191,6 +191,24 @@ class Seabed(unittest.TestCase):
             self.assertEqual(answer.status, 400, query)
             self.assertIn(query.split("=")[0], answer.body.decode())
 
+    def test_a_camera_in_the_ground_says_so(self):
+        self.choose(file="mole.asc" if os.path.exists(os.path.join(
+            self.folder, "mole.asc")) else "plain.asc")
+        kept = self.daemon.state()["views"]
+        try:
+            for up, inside in ((10, None), (-5, None), (-40, "inside")):
+                self.daemon.patch({"views": [{
+                    "name": "eye", "up": up, "width": 64, "height": 48}]})
+                answer = self.daemon.get("/v1/views/eye/frame.jpg")
+                self.assertEqual(answer.status, 200, answer)
+                self.assertEqual(answer.headers.get("X-Pelagos-Ground"),
+                                 inside, up)
+                with Session(self.daemon.connect_unix()) as session:
+                    reply = session.ask(frame={"view": "eye"})
+                self.assertEqual(reply.frame.in_ground, inside is not None)
+        finally:
+            self.daemon.patch({"views": kept})
+
     def test_a_simulator_finds_land(self):
         self.choose(file="geographic.tif")
         # 4 km east of the origin is land; a slope

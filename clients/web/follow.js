@@ -11,10 +11,35 @@ const FAR = 100000; // views.*.forward and right
 export const eyeNames = (model) => (model?.eyes ?? []).map((eye, i) =>
   eye.name || `eye point ${i + 1}`);
 
-export function eyeOf(model, index) {
+// Of a model that an entity has in a length of its own.
+export function eyeOf(model, index, length = model.length) {
   const eye = model.eyes[index];
-  return { forward: fine(eye.forward ?? 0), right: fine(eye.right ?? 0),
-    up: fine(eye.up ?? 0), ...AHEAD, level: false };
+  const scale = length && model.length ? length / model.length : 1;
+  return { forward: fine((eye.forward ?? 0) * scale),
+    right: fine((eye.right ?? 0) * scale), up: fine((eye.up ?? 0) * scale),
+    ...AHEAD, level: false };
+}
+
+// Where a view that an entity carries goes when that gets this shape: from an
+// eye point, from the place of a new view, or from within the shape to its first
+// eye point, looking as before; from behind or around it there again. null: it
+// stays.
+export function taken(view, was, model, sizes) {
+  const way = wayOf(view, was.model, was.sizes.length);
+  const [ahead, right, up] = [view.forward ?? 0, view.right ?? 0, view.up ?? 0];
+  const inside = Math.abs(ahead) <= sizes.length / 2 &&
+    Math.abs(right) <= sizes.beam / 2 && up <= sizes.height;
+  const fresh = ahead === 0 && right === 0;
+  if (way === "chase" || way === "orbit") {
+    return around(sizes, angleOf(view));
+  }
+  if (!model?.eyes?.length || !(inside || fresh || way.startsWith("eye"))) {
+    return null;
+  }
+  const index = way.startsWith("eye") ? Number(way.slice(4)) : 0;
+  const eye = eyeOf(model, index < model.eyes.length ? index : 0,
+    sizes.length);
+  return { forward: eye.forward, right: eye.right, up: eye.up, level: false };
 }
 
 // From `angle` clockwise of the bow, looking at the middle of it.
@@ -35,11 +60,11 @@ export const distanceOf = (view) =>
   Math.hypot(view.right ?? 0, view.forward ?? 0);
 
 // "eye 0", "chase", "orbit" or "free".
-export function wayOf(view, model) {
+export function wayOf(view, model, length) {
   const near = (a, b, by) => Math.abs(a - b) <= by;
   const eyes = model?.eyes ?? [];
   for (let i = 0; i < eyes.length; i++) {
-    const eye = eyeOf(model, i);
+    const eye = eyeOf(model, i, length);
     if (["forward", "right", "up"].every((n) =>
       near(view[n] ?? 0, eye[n], 0.02))) {
       return `eye ${i}`;

@@ -2,6 +2,7 @@
 // and what a person without a command line can do where nothing else would.
 
 import { Gone, Problem } from "/api.js";
+import { reckoned } from "/geo.js";
 
 const NAMES = { cigiStale: "CIGI host", modbusStale: "Modbus",
   nmeaStale: "NMEA 0183", consoleStale: "console",
@@ -11,6 +12,17 @@ const NAMES = { cigiStale: "CIGI host", modbusStale: "Modbus",
 export const silentInputs = (state) => Object.entries(NAMES)
   .filter(([field]) => state.sources?.[field])
   .map(([, name]) => name).join(", ");
+
+// Ships that moved and stand at that time, as nobody has sent a new pose.
+export function outrun(state, time) {
+  const reckoning = state.clock?.reckoning ?? 60;
+  const names = (state.entities ?? []).filter((e) => !e.helm?.on &&
+    reckoned(e, time, reckoning).stood).map((e) => e.name || `entity ${
+    e.id ?? 0}`);
+  const who = names.length === 1 ? `${names[0]} stands`
+    : names.length > 1 ? `${names.length} ships stand` : "A ship stands";
+  return `${who}: no new pose for ${reckoning} s`;
+}
 
 // A replay, or a client that is gone, may have left them: nobody else would.
 export async function clearSilent(store) {

@@ -1,7 +1,7 @@
 // The controls of the entity that is chosen: what it is, how it moves; and of
 // the view, what it goes with.
 
-import { angleOf, around, distanceOf, eyeNames, eyeOf, usual, wayOf }
+import { angleOf, around, distanceOf, eyeNames, eyeOf, taken, usual, wayOf }
   from "/follow.js";
 import { bearing, cameraOf, offset, reckoned, wrap } from "/geo.js";
 import { button, Text } from "/panel.js";
@@ -29,6 +29,9 @@ export class Ship {
     this.panel = panel;
     this.traffic = traffic;
     this.catalogue = traffic.catalogue;
+    // Shapes that nobody has used yet are listed without their eye points.
+    this.waiting = null;
+    traffic.shapesCame = () => this.moveLater();
     this.about = { target: () => panel.shipId, targetName: "that ship",
       sure: 1 };
   }
@@ -94,10 +97,7 @@ export class Ship {
     panel.pick("ship", "ship-model", "Shape", { ...this.about, depends: there,
       get: (s) => this.of(s)?.model?.name ?? "",
       options: (s) => this.shapes(this.of(s)),
-      patch: this.patch((v, entity) => v === "" ? { model: null }
-        : { afloat: entity.afloat || entity.model === undefined,
-          model: { ...Object.fromEntries(PARTS.map((n) => [n, null])),
-            name: v } }) });
+      patch: (v) => this.shape(v) });
     const size = (label, part, step, more) => this.range(label,
       `model.${part}`, "m", step, { id: `ship-${part}`, scale: "log",
         get: (s) => {
@@ -121,6 +121,56 @@ export class Ship {
       depends: (s) => this.of(s)?.model !== undefined,
       get: (s) => Boolean(this.of(s)?.afloat),
       patch: this.patch((v) => ({ afloat: v })) });
+  }
+
+  // Views that it carries go to where one sees out of it.
+  shape(name) {
+    const id = this.panel.shipId;
+    const { catalogue } = this;
+    return (state) => {
+      const entity = this.of(state, id);
+      if (!entity) {
+        return null;
+      }
+      const change = name === "" ? { model: null }
+        : { afloat: entity.afloat || entity.model === undefined,
+          model: { ...Object.fromEntries(PARTS.map((n) => [n, null])),
+            name } };
+      const was = { model: catalogue.of(entity),
+        sizes: catalogue.sizes(entity) };
+      const what = { id, name, was };
+      this.waiting = name === "" || this.known(name) ? null : what;
+      return { entities: { [id]: change },
+        ...(this.waiting ? {} : this.moves(state, what)) };
+    };
+  }
+
+  known(name) {
+    const model = this.catalogue.byName.get(name);
+    return Boolean(model?.bytes || model?.error);
+  }
+
+  // Of the views that the ship carries whose shape was chosen.
+  moves(state, { id, name, was }) {
+    const next = { model: { name } };
+    const model = this.catalogue.of(next);
+    const views = (state.views ?? []).filter((v) => name !== "" &&
+      standOf(v) === id).map((v) =>
+      [v.name, taken(v, was, model, this.catalogue.sizes(next))])
+      .filter(([, place]) => place);
+    return views.length ? { views: Object.fromEntries(views) } : {};
+  }
+
+  moveLater() {
+    const { waiting, panel: { store } } = this;
+    if (waiting && this.known(waiting.name) &&
+        this.of(store.told, waiting.id)?.model?.name === waiting.name) {
+      this.waiting = null;
+      store.ask("eye points", (state) => {
+        const change = this.moves(state, waiting);
+        return change.views ? change : null;
+      }, { sure: 1 }).catch(() => {});
+    }
   }
 
   shapes(entity) {
@@ -238,12 +288,12 @@ export class Ship {
     const carried = (s) => this.carrier(s) !== undefined;
     panel.pick("view", "view-way", "Seen from", { ...about, depends: carried,
       get: (s) => carried(s)
-        ? wayOf(this.view(s), catalogue.of(this.carrier(s))) : "free",
+        ? this.wayNow(s) : "free",
       options: (s) => this.ways(s),
       patch: (v) => patch((view, state) =>
         this.place(state, view, v)) });
-    const turns = (s) => carried(s) && ["chase", "orbit"].includes(
-      wayOf(this.view(s), catalogue.of(this.carrier(s))));
+    const turns = (s) => carried(s) &&
+      ["chase", "orbit"].includes(this.wayNow(s));
     const orbit = (view, state, angle, distance) =>
       around(catalogue.sizes(this.carrier(state, view)), angle, distance);
     panel.range("view", "Around it, from the bow", "views.*.yaw", "°", 1, {
@@ -256,6 +306,12 @@ export class Ship {
       depends: turns, get: (s) => this.view(s) && distanceOf(this.view(s)),
       patch: (v) => patch((view, state) =>
         orbit(view, state, angleOf(view), v)) });
+  }
+
+  wayNow(state, view = this.view(state)) {
+    const carrier = this.carrier(state, view);
+    return wayOf(view, this.catalogue.of(carrier),
+      this.catalogue.sizes(carrier).length);
   }
 
   ways(state) {
@@ -284,7 +340,7 @@ export class Ship {
     }
     const next = { ...view, entity: Number(value) };
     const model = this.catalogue.of(this.carrier(state, next));
-    const was = wayOf(view, this.catalogue.of(this.carrier(state, view)));
+    const was = this.wayNow(state, view);
     const way = was.startsWith("eye") && !model?.eyes?.length ? "chase"
       : was === "free" && model ? (model.eyes?.length ? "eye 0" : "chase")
         : was.startsWith("eye") ? "eye 0" : was;
@@ -296,7 +352,8 @@ export class Ship {
     const carrier = this.carrier(state, view);
     const model = this.catalogue.of(carrier);
     const sizes = this.catalogue.sizes(carrier);
-    return way.startsWith("eye") ? eyeOf(model, Number(way.slice(4)))
+    return way.startsWith("eye")
+      ? eyeOf(model, Number(way.slice(4)), sizes.length)
       : way === "chase" ? around(sizes, 180)
         : way === "orbit" ? around(sizes, 130, usual(sizes))
           : { level: false };

@@ -73,6 +73,8 @@ class Parts {
 // Whether an input was silent, and the simulator's frame: of a picture's
 // header lines.
 const inputs = (line) => ({
+  poses: (line("x-pelagos-stale") ?? "").includes("poses"),
+  ground: line("x-pelagos-ground") === "inside",
   stale: (line("x-pelagos-stale") ?? "none") !== "none",
   host: Number(line("x-pelagos-host-frame") ?? 0),
 });

@@ -2,6 +2,8 @@
 
 const KEY = 1;
 const STALE = 4;
+const POSES = 8;
+const GROUND = 16;
 
 export function readHead(buffer) {
   const at = new DataView(buffer);
@@ -17,6 +19,8 @@ export function readHead(buffer) {
     time: at.getFloat64(16, true),
     stampMs: Number(at.getBigUint64(32, true)) / 1000,
     stale: (flags & STALE) !== 0,
+    poses: (flags & POSES) !== 0,
+    ground: (flags & GROUND) !== 0,
     host: Number(at.getBigUint64(24, true)),
     missed: at.getUint32(52, true),
     // When all views of the frame are to be shown, by the server's clock.

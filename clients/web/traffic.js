@@ -35,6 +35,7 @@ export class Traffic {
       this.offer();
       this.show();
       chosen();
+      this.shapesCame?.();
     });
     this.rows = new Map();
     this.armed = false;

@@ -278,7 +278,8 @@ export class Video {
     this.latencies.push(this.server.nowMs - head.stampMs);
     this.latencies.splice(0, this.latencies.length - 31);
     this.told({ number: Number(head.number), time: head.time,
-      drawn: head.drawn, stale: head.stale, host: head.host,
+      drawn: head.drawn, stale: head.stale, poses: head.poses,
+      ground: head.ground, host: head.host,
       presentMs: head.presentMs });
   }
 }

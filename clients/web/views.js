@@ -3,7 +3,7 @@
 import { MOST_VIDEOS } from "/early.js";
 import { isSent } from "/geo.js";
 import { Hud } from "/hud.js";
-import { silentInputs } from "/inputs.js";
+import { outrun, silentInputs } from "/inputs.js";
 import { link, wanted } from "/link.js";
 import { followPointers, half, Look } from "/look.js";
 import { Player } from "/player.js";
@@ -185,7 +185,14 @@ class Tile {
     const stale = this.frame && (this.frame.stale ?? silent !== "");
     this.stale.hidden = !stale ||
       (Boolean(state.sources?.mark) && !this.grid.instruments);
-    this.stale.textContent = `Silent: ${silent || "an input"}`;
+    const said = [
+      silent || (this.frame?.stale && !this.frame.poses)
+        ? `Silent: ${silent || "an input"}` : "",
+      this.frame?.poses ? outrun(state, this.frame.time) : "",
+      this.frame?.ground ? "The camera is inside the ground: raise it, or " +
+        "move it" : ""].filter(Boolean);
+    this.stale.textContent = said.join(". ");
+    this.stale.hidden = this.frame?.ground ? false : this.stale.hidden;
   }
 
   refresh() {

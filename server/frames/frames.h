@@ -73,6 +73,7 @@ struct pel_frame {
     uint64_t revision;   /* of the scene it shows */
     uint32_t host_frame; /* newest of a simulator host, 0: none leads */
     unsigned stale;      /* silent inputs, of enum pel_stale */
+    bool in_ground;      /* the camera is below the seabed's surface */
     double time_s;       /* simulated */
     double exposure_ev;
     uint32_t width, height;

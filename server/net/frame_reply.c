@@ -45,6 +45,7 @@ static Pelagos__Frame describe(const struct pel_frame *p)
     message.revision = p->revision;
     message.has_stale = true;
     message.stale = p->stale != 0;
+    message.has_in_ground = message.in_ground = p->in_ground;
     message.has_host_frame = p->host_frame != 0;
     message.host_frame = p->host_frame;
     message.has_width = message.has_height = message.has_format = true;

@@ -31,6 +31,9 @@ static void add_moment(add_header add, void *to, const struct pel_frame *frame)
     snprintf(text, sizeof text, "%llu", (unsigned long long)frame->revision);
     add(to, "X-Pelagos-Revision", text);
     add(to, "X-Pelagos-Stale", pel_stale_text(frame->stale, stale));
+    if (frame->in_ground) {
+        add(to, "X-Pelagos-Ground", "inside");
+    }
     if (frame->host_frame != 0) {
         snprintf(text, sizeof text, "%u", frame->host_frame);
         add(to, "X-Pelagos-Host-Frame", text);

@@ -77,7 +77,9 @@ void pel_live_header(const struct pel_frame *frame, int64_t now_ns,
     out[0] = PEL_LIVE_VERSION;
     out[1] = frame->codec == PEL_CODEC_H264 ? 1 : 2;
     out[2] = (uint8_t)((frame->key ? 1 : 0) | (gap ? 2 : 0) |
-                       (frame->stale ? 4 : 0));
+                       (frame->stale ? 4 : 0) |
+                       (frame->stale & PEL_STALE_POSES ? 8 : 0) |
+                       (frame->in_ground ? 16 : 0));
     out[3] = PEL_LIVE_HEADER;
     put(out + 4, frame->width, 2);
     put(out + 6, frame->height, 2);

@@ -116,17 +116,18 @@ static void begin_picture(struct pel_viewer *self)
         self->head, sizeof self->head,
         "%sContent-Type: image/jpeg\r\nContent-Length: %zu\r\n"
         "X-Pelagos-Frame: %llu\r\nX-Pelagos-Time: %s\r\n"
-        "X-Pelagos-Revision: %llu\r\nX-Pelagos-Stale: %s\r\n"
+        "X-Pelagos-Revision: %llu\r\nX-Pelagos-Stale: %s\r\n%s"
         "X-Pelagos-Host-Frame: %u\r\nX-Pelagos-Drawn: %ux%u\r\n"
         "X-Pelagos-Present: %lld.%06lld\r\nX-Pelagos-Stamp: %lld\r\n"
         "X-Timestamp: %.6f\r\nX-Pelagos-Missed: %u\r\n\r\n",
         self->begun ? "" : "--pelagos\r\n", self->current->size,
         (unsigned long long)self->current->number, time,
         (unsigned long long)self->current->revision,
-        pel_stale_text(self->current->stale, stale), self->current->host_frame,
-        self->current->drawn_width, self->current->drawn_height,
-        (long long)(present_us / 1000000), (long long)(present_us % 1000000),
-        (long long)stamp_us(self->current),
+        pel_stale_text(self->current->stale, stale),
+        self->current->in_ground ? "X-Pelagos-Ground: inside\r\n" : "",
+        self->current->host_frame, self->current->drawn_width,
+        self->current->drawn_height, (long long)(present_us / 1000000),
+        (long long)(present_us % 1000000), (long long)stamp_us(self->current),
         1e-6 * (double)stamp_us(self->current), self->missed);
     self->head_size = (size_t)n;
     self->begun = true;

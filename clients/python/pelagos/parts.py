@@ -1,6 +1,7 @@
 """Views and entities of an ocean as objects, and the maps that hold them."""
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -148,6 +149,30 @@ class ViewHandle(_Handle):
                    height: int | None = None) -> Intrinsics:
         """K and rays of the view's pictures; asks for the state only."""
         return Intrinsics.of_view(self.state, width, height)
+
+    def stand(self, entity: int, eye: "int | str" = 0) -> None:
+        """Puts the camera at an eye point of an entity's model, as its bridge:
+        by its number or name, as Ocean.models() has it."""
+        state = self._ocean.state()
+        model = next((e.model for e in state.entities if e.id == entity), None)
+        known = None
+        for _ in range(100):  # a shape is read within seconds of its first use
+            known = next((m for m in self._ocean.models().models
+                          if model and m.name == model.name), None)
+            if known is None or known.bytes or known.error:
+                break
+            time.sleep(0.1)
+        if model is None or known is None:
+            raise LookupError(f"entity {entity} has no model")
+        found = [p for i, p in enumerate(known.eyes) if eye in (i, p.name)]
+        if not found:
+            raise LookupError(
+                f"{known.name} has no eye point {eye!r}; it has "
+                f"{[p.name for p in known.eyes]}")
+        scale = (model.length or known.length or 1) / (known.length or 1)
+        self.set(entity=entity, level=False, **{
+            name: round((getattr(found[0], name) or 0) * scale, 3)
+            for name in ("forward", "right", "up")})
 
     def camera(self, width: int | None = None, height: int | None = None,
                time: float | None = None) -> Camera:
