@@ -94,6 +94,7 @@ HEADERS = {
     "X-Pelagos-Stale": ("inputs that were silent; `poses` is no input: a ship "
                         "that moves stands, since her last pose is older than "
                         "clock.reckoning; `none`", TEXT),
+    "X-Pelagos-Notice": ("what an edit switched off besides", TEXT),
     "X-Pelagos-Ground": ("`inside`: the camera is in the ground", TEXT),
     "X-Pelagos-Host-Frame": ("newest frame of a CIGI host", COUNT),
     "X-Pelagos-Unix": ("the daemon's clock as it answers: UTC [s]", NUMBER),
@@ -103,7 +104,8 @@ HEADERS = {
     IGNORED: ("parameters that are not known here, percent-encoded", TEXT),
 }
 MOMENT = [name for name in HEADERS if name.startswith("X-") and
-          not name.endswith(("-Ms", "-Unix", "-Device", "-Ignored"))]
+          not name.endswith(("-Ms", "-Unix", "-Device", "-Ignored",
+                             "-Notice"))]
 COST = ["X-Pelagos-Render-Ms", "X-Pelagos-Encode-Ms", "X-Pelagos-Device"]
 TAGGED = ("State", "FieldValue")
 # Answers that are not JSON: type, headers.

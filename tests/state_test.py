@@ -157,6 +157,40 @@ class StateFile(unittest.TestCase):
             self.assertEqual(state["sea"]["seed"], 12)
 
 
+class Notices(unittest.TestCase):
+    def test_a_pose_that_switches_a_helm_off(self):
+        """An edit that takes a ship from her model says so, one that does not
+        is silent."""
+        with Daemon() as daemon:
+            def edit(change):
+                answer = daemon.patch(change)
+                self.assertEqual(answer.status, 200, answer)
+                return answer.headers.get("X-Pelagos-Notice")
+            for own, helm, path in (
+                    ({"ownShip": {"on": True}}, {"ownShip": {"on": False}},
+                     "ownShip.on"),
+                    ({"ownShip": {"on": False}, "entities": {"7": {
+                        "name": "tug", "helm": {"on": True}}}}, {
+                            "entities": {"7": {"helm": {"on": False}}}},
+                     "entities.7.helm.on")):
+                ship = "1" if path == "ownShip.on" else "tug"
+                for part in ({"speed": 5}, {"heading": 3}, {"latitude": 52.6}):
+                    self.assertIsNone(edit(own))
+                    said = edit({"entities": {ship: part}})
+                    self.assertIsNotNone(said, part)
+                    self.assertIn(path, said)
+                    self.assertIsNone(edit({"entities": {ship: part}}),
+                                      "it is led already")
+                self.assertIsNone(edit(own))
+                self.assertIsNone(edit({"entities": {ship: {"name": "tug"}}})
+                                  if ship == "tug" else None)
+                self.assertIsNone(edit(helm))
+            edit({"ownShip": {"on": True}})
+            self.assertIsNone(edit({"ownShip": {"on": True},
+                                    "entities": {"1": {"speed": 4}}}))
+            self.assertTrue(daemon.state()["ownShip"]["on"])
+
+
 class Start(unittest.TestCase):
     """What cannot be kept is no start: the option, the value, the cure."""
 

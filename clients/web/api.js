@@ -105,6 +105,10 @@ export async function floats(path) {
 
 export async function perform(method, path, body, more) {
   const response = await asked(method, path, body, more);
+  const notice = response.headers.get("X-Pelagos-Notice");
+  if (notice) { // what the edit switched off besides
+    dispatchEvent(new CustomEvent("pelagos-notice", { detail: notice }));
+  }
   const text = await response.text().catch(lost);
   let json = {};
   try {

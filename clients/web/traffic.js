@@ -61,6 +61,7 @@ export class Traffic {
         }
       },
       failed: (error) => this.fail(error) });
+    addEventListener("pelagos-notice", (event) => this.say(event.detail));
     this.catalogue.load();
     setInterval(() => this.list(), LIST_MS);
   }

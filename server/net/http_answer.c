@@ -24,7 +24,8 @@
  * them anyway, and send with a request. */
 #define EXPOSED                                                                \
     "Location, ETag, Link, Allow, Retry-After, WWW-Authenticate, "             \
-    "X-Pelagos-Ignored, X-Pelagos-Frame, X-Pelagos-Time, "                     \
+    "X-Pelagos-Ignored, X-Pelagos-Notice, X-Pelagos-Ground, "                  \
+    "X-Pelagos-Frame, X-Pelagos-Time, "                                        \
     "X-Pelagos-Revision, X-Pelagos-Stale, X-Pelagos-Host-Frame, "              \
     "X-Pelagos-Unix, X-Pelagos-Render-Ms, X-Pelagos-Encode-Ms, "               \
     "X-Pelagos-Device"
@@ -70,7 +71,7 @@ static void add(struct MHD_Response *response, const char *name,
     MHD_add_response_header(response, name, value);
 }
 
-static void add_safety(const struct client *client,
+static void add_safety(const struct client *client, int status,
                        struct MHD_Response *response)
 {
     add(response, "X-Content-Type-Options", "nosniff");
@@ -86,6 +87,9 @@ static void add_safety(const struct client *client,
     if (client->ignored[0]) {
         add(response, "X-Pelagos-Ignored", client->ignored);
     }
+    if (client->notice[0] && status == 200) {
+        add(response, "X-Pelagos-Notice", client->notice);
+    }
     add(response, "Referrer-Policy", "no-referrer");
 }
 
@@ -100,7 +104,7 @@ enum MHD_Result pel_http_queue(struct client *client, int status,
         client->phase = PHASE_ANSWER;
         client->deadline_ns = pel_http_after(server->limits.http_answer_s);
     }
-    add_safety(client, response);
+    add_safety(client, status, response);
     enum MHD_Result result =
         MHD_queue_response(client->connection, (unsigned)status, response);
     MHD_destroy_response(response);
@@ -619,10 +623,11 @@ enum MHD_Result pel_http_send_patched(struct client *client,
         .patch = answer->patch,
         .if_unchanged = answer->if_unchanged,
     };
+    struct pel_scene *scene = client->server->context.scene;
+    pel_state_notice(pel_scene_state(scene), answer->patch, client->notice);
     struct waiter *waiter = pel_http_wait_begin(client);
     waiter->if_unchanged = answer->if_unchanged;
-    bool waits =
-        pel_scene_submit(client->server->context.scene, &wish, on_edit, waiter);
+    bool waits = pel_scene_submit(scene, &wish, on_edit, waiter);
     pel_http_forget_later(client, answer);
     if (waits) {
         pel_http_suspend(client);

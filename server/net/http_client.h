@@ -16,6 +16,7 @@
 #include "net/mjpeg.h"
 #include "net/tsviewer.h"
 #include "net/whep.h"
+#include "scene/edit.h"
 #include "scene/worker.h"
 
 #define PEL_HTTP_STATUS_MAX 600
@@ -65,6 +66,7 @@ struct client {
     bool queued;                  /* for another turn: pel_http_take_later */
     const char *origin;           /* an allowed one that asks, or NULL */
     char ignored[200];            /* as struct pel_http_answer has it */
+    char notice[PEL_NOTICE];      /* X-Pelagos-Notice of an edit, or "" */
     bool suspended;
     bool of_debrief;   /* the pictures that it asks for */
     bool waiting;      /* for frame or surface */

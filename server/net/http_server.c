@@ -299,6 +299,7 @@ static void forget_request(struct client *client)
     g_free(client->authority);
     client->target = client->authority = NULL;
     client->ignored[0] = '\0';
+    client->notice[0] = '\0';
     if (client->body) {
         g_string_free(client->body, TRUE);
         client->body = NULL;

@@ -584,6 +584,43 @@ static void lead(Pelagos__State *state, const Pelagos__State *brought)
     }
 }
 
+/* The entity that the patch's element means: by its number, or by its name. */
+static const Pelagos__Entity *meant(const Pelagos__State *state,
+                                    const Pelagos__Entity *with)
+{
+    for (size_t i = 0; i < state->n_entities; i++) {
+        const Pelagos__Entity *e = state->entities[i];
+        if (with->has_id
+                ? e->id == with->id
+                : with->name && e->name && strcmp(e->name, with->name) == 0) {
+            return e;
+        }
+    }
+    return NULL;
+}
+
+void pel_state_notice(const Pelagos__State *from, const Pelagos__Patch *patch,
+                      char out[PEL_NOTICE])
+{
+    const Pelagos__State *brought = patch->state;
+    out[0] = '\0';
+    for (size_t i = 0; brought && i < brought->n_entities && !out[0]; i++) {
+        const Pelagos__Entity *with = brought->entities[i];
+        const Pelagos__Entity *is = meant(from, with);
+        const Pelagos__OwnShip *helm = is ? pel_helm_on(from, is) : NULL;
+        if (helm && touches_pose(with) &&
+            !says_on(brought, with, helm == from->own_ship)) {
+            char path[PEL_HELM_PATH];
+            pel_helm_path(from, is->id, path);
+            snprintf(out, PEL_NOTICE,
+                     "entity %u is led by poses now and %s.on is false: "
+                     "rudder and engine move her no longer. With %s.on true "
+                     "in the same edit her model goes on from there",
+                     is->id, path, path);
+        }
+    }
+}
+
 /* The tracks of the entities that the patch moved. */
 static void follow(const Pelagos__State *from, Pelagos__State *state,
                    const Pelagos__State *brought, double reckoning_s)
