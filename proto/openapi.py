@@ -349,7 +349,8 @@ class Document:
             "v1/debrief") else set()
         if edits(method, path):
             codes |= {"409", "412"}
-        codes |= {"409"} if path.startswith("v1/cluster/place") else set()
+        codes |= {"409"} if path.startswith(("v1/cluster/place",
+                                             "v1/soundings")) else set()
         if answer == "live":
             codes |= {"403", "426", "429"}
         if path.startswith("v1/clock"):
