@@ -66,7 +66,7 @@ class Ways(unittest.TestCase):
         self.addCleanup(end)
         return process
 
-    def daemon(self, address, servers):
+    def daemon(self, address, servers, *more):
         from pelagos_daemon import BIN
         token = os.path.join(self.folder, "tokens")
         with open(token, "w", encoding="utf-8") as f:
@@ -77,7 +77,8 @@ class Ways(unittest.TestCase):
             "sea", os.path.join(BIN, "pelagosd"), "--http", f"{address}:8080",
             "--plain", "--token-file", token, "--tcp", "off", "--rtsp", "off",
             "--modbus", "off", "--nmea", "off", "--unix", "off", "--device",
-            "software", *(("--whep-servers", servers) if servers else ()))
+            "software", *(("--whep-servers", servers) if servers else ()),
+            *more)
         while self.http("GET", "/healthz")[0] != 200:
             self.assertIsNone(daemon.poll(), self.log("pelagosd"))
             time.sleep(0.2)
@@ -132,7 +133,9 @@ class Ways(unittest.TestCase):
     def test_by_a_relay(self):
         self.keep_apart()
         server = self.net.hosts["server"]
-        self.daemon(self.net.hosts["sea"], f"turn://watch:word@{server}:3478")
+        # Somebody else asks for the player.
+        self.daemon(self.net.hosts["sea"], f"turn://watch:word@{server}:3478",
+                    "--whep-peers", self.net.hosts["player"])
         answer, seen = self.pictures(60)
         self.assertRegex(answer, rf"UDP \d+ {server} \d+ typ relay")
         self.assertEqual(seen, PICTURES, self.log("turnserver"))
@@ -168,7 +171,8 @@ class Ways(unittest.TestCase):
 
     def test_behind_a_translator(self):
         self.hide()
-        self.daemon(HIDDEN, f"stun://{self.net.hosts['server']}:3478")
+        self.daemon(HIDDEN, f"stun://{self.net.hosts['server']}:3478",
+                    "--whep-peers", self.net.hosts["player"])
         answer, seen = self.pictures(60)
         self.assertRegex(
             answer, rf"UDP \d+ {self.net.hosts['sea']} \d+ typ srflx")
