@@ -196,7 +196,32 @@ class Grib(Case):
             self.right(self.write(kind, other + plain()), note="not read")
             self.right(self.write(kind, plain() + other))
             self.refused(self.write(kind, other), "no wind 10 m above",
-                         words[kind])
+                         words[kind], "grib_ls FILE")
+
+    def test_grib1(self):
+        """Units of time, ranges, the ECMWF's local section."""
+        local = ["centre=98", "setLocalDefinition=1", "localDefinitionNumber=1"]
+        ensemble = [*local, "marsStream=1035", "numberOfForecastsInEnsemble=50"]
+        for keys, hours, words in (
+                (["unitOfTimeRange=10", "P1=2"], 6, None),
+                (["timeRangeIndicator=10", "P1=0", "P2=200"], 200, None),
+                (["unitOfTimeRange=0", "P1=90"], 1.5, None),
+                (["unitOfTimeRange=254", "P1=120"], 1 / 30, None),
+                (["timeRangeIndicator=1", "P1=0"], 0, None),
+                (["timeRangeIndicator=3", "P1=0", "P2=3"], 0, "avg over 0-3"),
+                (["timeRangeIndicator=2", "P1=0", "P2=6"], 0, "over 0-6"),
+                (["timeRangeIndicator=113", "P1=0", "P2=6"], 0, "avg"),
+                ([*local, "stream=1071"], 0, "monthly mean"),
+                ([*ensemble, "marsType=10"], 0, None),
+                ([*ensemble, "marsType=11", "perturbationNumber=3"], 0,
+                 "member 3"),
+                ([*ensemble, "marsType=17"], 0, "derived of an ensemble")):
+            self.write("one", [message(plane(n), [
+                f'shortName="{SHORT[n]}"', *keys], edition=1) for n in WIND])
+            if words:
+                self.refused("one", words)
+            else:
+                self.right("one", hours=(hours,))
 
     def test_multi(self):
         """Several fields in one message."""

@@ -202,6 +202,15 @@ static enum pel_err find_times(const struct pel_forecast_file *file,
     return PEL_OK;
 }
 
+static enum pel_err lacks(const struct pel_forecast_file *file,
+                          const char *what, struct pel_fault *fault)
+{
+    const char *unread = file->unread.text;
+    return pel_fault_set(fault, PEL_ERR_INVALID,
+                         "it has no %s%s%s; %s shows all", what,
+                         *unread ? "; not read: " : "", unread, file->shown_by);
+}
+
 /* Wind by its components, else by speed and direction. */
 static enum pel_err choose_wind(const struct pel_forecast_file *file,
                                 struct group *g, struct pel_fault *fault)
@@ -218,18 +227,16 @@ static enum pel_err choose_wind(const struct pel_forecast_file *file,
             return err ? err : find_times(file, g, fault);
         }
     }
-    const char *unread = file->unread.text;
     bool east =
         best_key(file, PEL_WEATHER_WIND_EAST, PEL_WEATHER_WIND_EAST) >= 0;
     bool north =
         best_key(file, PEL_WEATHER_WIND_NORTH, PEL_WEATHER_WIND_NORTH) >= 0;
-    return pel_fault_set(
-        fault, PEL_ERR_INVALID, "it has no %s%s%s",
-        north  ? pel_forecast_name_of(PEL_WEATHER_WIND_EAST)
-        : east ? pel_forecast_name_of(PEL_WEATHER_WIND_NORTH)
-               : "wind 10 m above the sea at instants of one run or of the "
-                 "control (UGRD and VGRD, u10 and v10)",
-        *unread ? "; not read: " : "", unread);
+    return lacks(file,
+                 north  ? pel_forecast_name_of(PEL_WEATHER_WIND_EAST)
+                 : east ? pel_forecast_name_of(PEL_WEATHER_WIND_NORTH)
+                        : "wind 10 m above the sea at instants of one run or "
+                          "the control (UGRD, VGRD; u10, v10)",
+                 fault);
 }
 
 /* Waves are whole or not there; parts that are not whole are left out. */
@@ -251,10 +258,7 @@ static enum pel_err choose_waves(struct pel_forecast_file *file,
         !any ? 0 : PEL_WEATHER_WAVES | (parts ? PEL_WEATHER_PARTS : 0);
     for (int n = 0; !err && n < PEL_WEATHER_NUMBERS; n++) {
         if ((wanted & 1u << n) && keys[n] < 0) {
-            const char *unread = file->unread.text;
-            return pel_fault_set(fault, PEL_ERR_INVALID, "it has no %s%s%s",
-                                 pel_forecast_name_of(n),
-                                 *unread ? "; not read: " : "", unread);
+            return lacks(file, pel_forecast_name_of(n), fault);
         }
         if (wanted & 1u << n) {
             err = join(file, g, n, keys[n], fault);

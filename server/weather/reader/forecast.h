@@ -63,7 +63,7 @@ bool pel_forecast_axis_fit(const double *degrees, size_t count, bool longitude,
 
 /* Several words with commas between them, each once, as many as have room. */
 struct pel_forecast_words {
-    char text[120];
+    char text[100];
 };
 void pel_forecast_words_add(struct pel_forecast_words *words,
                             const char *format, ...)
@@ -95,6 +95,7 @@ struct pel_forecast_file {
                          const struct pel_forecast_slice *slice, double *plane,
                          struct pel_fault *fault);
     void (*finish)(struct pel_forecast_file *file);
+    const char *shown_by; /* the command that lists its fields */
     void *user;
 };
 

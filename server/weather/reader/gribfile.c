@@ -586,5 +586,6 @@ enum pel_err pel_forecast_list_grib(const char *path,
     out->user = fopen(path, "rb");
     out->read = read_slice;
     out->finish = finish;
+    out->shown_by = "grib_ls FILE";
     return out->user ? list(out, out->user, is_one, fault) : PEL_OK;
 }

@@ -734,6 +734,7 @@ enum pel_err pel_forecast_list_netcdf(const char *path,
     out->user = s;
     out->read = read_slice;
     out->finish = finish;
+    out->shown_by = "ncdump -h FILE";
     if (!*is_one || !s) {
         return s ? PEL_OK
                  : pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
