@@ -25,7 +25,9 @@ void pel_forecast_prepare(const char *places[PEL_FORECAST_MOST_PLACES + 1])
     char *rest = NULL, *own = codes_definition_path(c);
     size_t count = 0;
     codes_context_set_logging_proc(c, say_nothing);
-    codes_grib_multi_support_on(c);
+    /* Its own reading of several fields in one message frees twice what a bad
+     * one has: they are taken apart here. */
+    codes_grib_multi_support_off(c);
     /* The C library's own name for no file locking: that is a system call
      * which the sandbox has not. */
     setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
@@ -334,6 +336,94 @@ static enum pel_err grid_of(codes_handle *h, const char *label,
     return PEL_OK;
 }
 
+/* --- several fields in one message ------------------------------------------
+ */
+
+#define SECTIONS 8
+#define HEAD 16u /* of GRIB2 */
+
+/* A field's sections by their number; section 6 is the bitmap's. */
+struct field {
+    const unsigned char *section[SECTIONS];
+    size_t size[SECTIONS];
+};
+
+/* The sections of the message's `wanted`th field; how many fields there are, 0
+ * where its sections are not as they say. */
+static size_t walk(const unsigned char *m, size_t size, size_t wanted,
+                   struct field *out)
+{
+    struct field now = { .size = { 0 } };
+    const unsigned char *bitmap = NULL;
+    size_t count = 0, bitmap_size = 0;
+    for (size_t at = HEAD; at + 9 <= size && memcmp(m + at, "7777", 4) != 0;) {
+        size_t length = (size_t)m[at] << 24 | (size_t)m[at + 1] << 16 |
+                        (size_t)m[at + 2] << 8 | m[at + 3];
+        unsigned number = m[at + 4];
+        if (number == 0 || number >= SECTIONS || length < 6 ||
+            length > size - 4 - at) {
+            return 0;
+        }
+        now.section[number] = m + at;
+        now.size[number] = length;
+        if (number == 6 && m[at + 5] == 0) {
+            bitmap = m + at;
+            bitmap_size = length;
+        } else if (number == 6 && m[at + 5] == 254 && bitmap) {
+            now.section[6] = bitmap; /* that of the field before */
+            now.size[6] = bitmap_size;
+        }
+        if (number == 7 && count++ == wanted) {
+            *out = now;
+        }
+        at += length;
+    }
+    return count;
+}
+
+static size_t fields_in(codes_handle *h)
+{
+    const void *bytes = NULL;
+    size_t size = 0;
+    struct field ignored;
+    return number(h, "edition", 0) == 2 && !codes_get_message(h, &bytes, &size)
+               ? walk(bytes, size, 0, &ignored)
+               : 1;
+}
+
+/* A message of its own; NULL: it cannot be. */
+static codes_handle *field_of(codes_handle *h, size_t wanted)
+{
+    const void *bytes = NULL;
+    size_t size = 0, total = HEAD;
+    struct field f = { .size = { 0 } };
+    if (codes_get_message(h, &bytes, &size) ||
+        walk(bytes, size, wanted, &f) <= wanted) {
+        return NULL;
+    }
+    /* Its sections are not more than the message's, but for one bitmap. */
+    unsigned char *own = malloc(2 * size);
+    if (!own) {
+        return NULL;
+    }
+    memcpy(own, bytes, HEAD);
+    for (size_t n = 1; n < SECTIONS; n++) {
+        if (f.section[n]) {
+            memcpy(own + total, f.section[n], f.size[n]);
+            total += f.size[n];
+        }
+    }
+    memcpy(own + total, "7777", 4);
+    total += 4;
+    for (size_t i = 0; i < 8; i++) {
+        own[8 + i] = (unsigned char)(total >> (56 - 8 * i));
+    }
+    codes_handle *one = codes_handle_new_from_message_copy(
+        codes_context_get_default(), own, total);
+    free(own);
+    return one;
+}
+
 /* --- listing ----------------------------------------------------------------
  */
 
@@ -394,10 +484,10 @@ static void name_of(codes_handle *h, long edition,
 }
 
 static enum pel_err take(struct pel_forecast_file *file, codes_handle *h,
-                         size_t part, struct pel_fault *fault)
+                         size_t place, size_t part, struct pel_fault *fault)
 {
     long edition = number(h, "edition", 0);
-    struct pel_forecast_slice slice = { .part = part };
+    struct pel_forecast_slice slice = { .place = place, .part = part };
     struct pel_forecast_name name;
     char product[48];
     name_of(h, edition, &name);
@@ -427,7 +517,6 @@ static enum pel_err take(struct pel_forecast_file *file, codes_handle *h,
                              number(h, "indicatorOfUnitOfTimeRange",
                                     number(h, "unitOfTimeRange", -1)));
     }
-    slice.place = (size_t)number(h, "offset", 0);
     enum pel_err err = grid_of(h, slice.label, &slice, fault);
     return err ? err : pel_forecast_add(file, &slice, fault);
 }
@@ -454,23 +543,39 @@ static bool goes_on(FILE *from, long end)
     return matched == 4;
 }
 
+/* Takes the fields of a message, mostly one. */
+static enum pel_err take_all(struct pel_forecast_file *file, codes_handle *h,
+                             struct pel_fault *fault)
+{
+    size_t place = (size_t)number(h, "offset", 0), count = fields_in(h);
+    enum pel_err err = count > 1 ? PEL_OK : take(file, h, place, 0, fault);
+    for (size_t i = 0; count > 1 && !err && i < count; i++) {
+        codes_handle *one = field_of(h, i);
+        if (!one) {
+            return pel_fault_set(fault, PEL_ERR_MALFORMED,
+                                 "field %zu of the GRIB message at byte %zu "
+                                 "cannot be read",
+                                 i + 1, place);
+        }
+        err = take(file, one, place, i, fault);
+        codes_handle_delete(one);
+    }
+    return err;
+}
+
 static enum pel_err list(struct pel_forecast_file *file, FILE *from,
                          bool *is_one, struct pel_fault *fault)
 {
-    size_t messages = 0, part = 0;
-    long last = -1, end = 0;
+    size_t messages = 0;
+    long end = 0;
     enum pel_err err = PEL_OK;
     int why = 0;
     for (codes_handle *h;
          !err && (h = codes_handle_new_from_file(codes_context_get_default(),
                                                  from, PRODUCT_GRIB, &why));
          messages++) {
-        /* A message may hold several fields, which have its place. */
-        long place = number(h, "offset", 0);
-        part = place == last ? part + 1 : 0;
-        last = place;
-        end = part > 0 ? end : ftell(from);
-        err = take(file, h, part, fault);
+        end = ftell(from);
+        err = take_all(file, h, fault);
         codes_handle_delete(h);
     }
     bool fails = why && why != CODES_END_OF_FILE;
@@ -546,34 +651,29 @@ static enum pel_err read_slice(struct pel_forecast_file *file,
                                const struct pel_forecast_slice *slice,
                                double *plane, struct pel_fault *fault)
 {
-    codes_context *c = codes_context_get_default();
-    codes_handle *h = NULL;
     int why = 0;
-    codes_grib_multi_support_reset_file(c, file->user);
-    if (fseeko(file->user, (off_t)slice->place, SEEK_SET)) {
-        return pel_fault_set(fault, PEL_ERR_IO, "%s cannot be read",
-                             slice->label);
+    codes_handle *h =
+        fseeko(file->user, (off_t)slice->place, SEEK_SET)
+            ? NULL
+            : codes_handle_new_from_file(codes_context_get_default(),
+                                         file->user, PRODUCT_GRIB, &why);
+    codes_handle *one = h && fields_in(h) > 1 ? field_of(h, slice->part) : h;
+    enum pel_err err =
+        one ? decode(one, slice, plane, fault)
+            : pel_fault_set(fault, PEL_ERR_MALFORMED, "%s cannot be read: %s",
+                            slice->label, codes_get_error_message(why));
+    if (one && one != h) {
+        codes_handle_delete(one);
     }
-    for (size_t i = 0; i <= slice->part; i++) {
-        if (h) {
-            codes_handle_delete(h);
-        }
-        h = codes_handle_new_from_file(c, file->user, PRODUCT_GRIB, &why);
+    if (h) {
+        codes_handle_delete(h);
     }
-    if (!h) {
-        return pel_fault_set(fault, PEL_ERR_MALFORMED, "%s cannot be read: %s",
-                             slice->label, codes_get_error_message(why));
-    }
-    enum pel_err err = decode(h, slice, plane, fault);
-    codes_handle_delete(h);
     return err;
 }
 
 static void finish(struct pel_forecast_file *file)
 {
     if (file->user) {
-        codes_grib_multi_support_reset_file(codes_context_get_default(),
-                                            file->user);
         fclose(file->user);
     }
 }
