@@ -329,7 +329,7 @@ static enum pel_err plan(const struct pel_raster_request *request,
     snprintf(target, sizeof target, "DST_SRS=%s", frame);
     char **options = CSLAddString(NULL, target);
     if (source) {
-        options = CSLSetNameValue(options, "SRC_SRS", source);
+        options = CSLAddString(options, CPLSPrintf("SRC_SRS=%s", source));
     }
     int columns = GDALGetRasterXSize(set), rows = GDALGetRasterYSize(set);
     void *transformer = GDALCreateGenImgProjTransformer2(set, NULL, options);
@@ -492,6 +492,7 @@ static char *plane_of(OGRSpatialReferenceH srs)
     OGRSpatialReferenceH plane = OSRClone(srs);
     OSRStripVertical(plane);
     OSRExportToWkt(plane, &wkt);
+    OSRDestroySpatialReference(plane);
     return wkt;
 }
 
