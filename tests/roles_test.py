@@ -170,8 +170,12 @@ class Roles(unittest.TestCase):
             self.assertEqual("exercise" in self.request(
                 role, "GET", "/v1/state").json(), sees)
             with Session(self.daemon.connect_tcp()) as session:
-                for reply in (session.ask(login={"token": TOKENS[role]}),
-                              session.ask(watch={})):
+                replies = [session.ask(login={"token": TOKENS[role]}),
+                           session.ask(watch={})]
+                self.request("instruct", "PATCH", "/v1/state",
+                             {"sea": {"windSpeed": 9 + ORDER.index(role)}})
+                replies.append(session.receive())
+                for reply in replies:
                     self.assertEqual(len(reply.state.presets), int(sees))
                     self.assertEqual(reply.state.HasField("exercise"), sees)
         answer = self.request("steer", "PATCH", "/v1/state",

@@ -591,7 +591,9 @@ void pel_sessions_destroy(struct pel_sessions *all)
     if (all) {
         g_ptr_array_free(all->list, TRUE);
         pel_unpack_finish(&all->unpack);
-        free(all->packed.bytes);
+        for (int rank = 0; rank < PEL_RANKS; rank++) {
+            free(all->packed[rank].bytes);
+        }
         g_free(all);
     }
 }

@@ -95,19 +95,22 @@ void pel_session_send_state(struct session *self, bool has_id, uint64_t id)
     send_message(self, has_id, id, PELAGOS__REPLY__RESULT_STATE, &state);
 }
 
-/* The state packed, for all who watch: as old as the last one that was sent of
- * this revision, of 3 ms ago at most. */
-static const struct pel_packed_state *packed(struct pel_sessions *all)
+/* The state packed, for all of a rank who watch: as old as the last one that
+ * was sent of this revision, of 3 ms ago at most. */
+static const struct pel_packed_state *packed(struct pel_sessions *all,
+                                             enum pel_rank rank)
 {
-    struct pel_packed_state *kept = &all->packed;
+    struct pel_packed_state *kept = &all->packed[rank];
     int64_t now_ns = pel_now_ns();
     const Pelagos__State *state = pel_scene_state(all->scene);
     if (!kept->bytes || kept->revision != state->revision ||
         now_ns - kept->at_ns > SHARED_NS) {
+        Pelagos__State seen;
+        pel_role_seen(pel_role_of_rank(rank), state, &seen);
         free(kept->bytes);
-        kept->size = pelagos__state__get_packed_size(state);
+        kept->size = pelagos__state__get_packed_size(&seen);
         kept->bytes = pel_sure_malloc(kept->size + 1);
-        pelagos__state__pack(state, kept->bytes);
+        pelagos__state__pack(&seen, kept->bytes);
         kept->revision = state->revision;
         kept->at_ns = now_ns;
     }
@@ -116,7 +119,7 @@ static const struct pel_packed_state *packed(struct pel_sessions *all)
 
 void pel_session_send_watched(struct session *self)
 {
-    const struct pel_packed_state *state = packed(self->all);
+    const struct pel_packed_state *state = packed(self->all, self->who.rank);
     uint8_t head[2 * (1 + PEL_WIRE_MAX_PREFIX) + 10];
     size_t before = 0;
     if (self->watch_has_id) {

@@ -81,7 +81,8 @@ struct pel_sessions {
     struct pel_token *token;         /* NULL: none is asked for */
     GPtrArray *list;                 /* of struct session */
     struct pel_unpack unpack;        /* the request being taken */
-    struct pel_packed_state packed;  /* what watchers were sent last */
+    struct pel_packed_state
+        packed[PEL_RANKS]; /* what watchers were sent last */
     bool stopped;
     uint64_t accepted[PEL_TRANSPORT_COUNT], refused[PEL_TRANSPORT_COUNT];
     uint64_t malformed[PEL_TRANSPORT_COUNT], timeouts[PEL_TRANSPORT_COUNT];
