@@ -18,6 +18,8 @@
  * others; one picture always fits. */
 #define READBACK_BUDGET ((size_t)256 << 20)
 #define MAX_SUBMITTED 2
+/* So long after the last picture what large ones took goes back. */
+#define REST_NS 5000000000
 #define MAX_REFUSALS 100 /* 2 ms apart */
 #define STOP_NS 2000000000LL
 /* A software device compiles and draws on this process's threads, for seconds
@@ -623,7 +625,7 @@ static void take_handed(struct pel_renderloop *loop)
     }
 }
 
-/* Waits while there is nothing to do at all. */
+/* Waits while there is nothing to do at all, or until it is time to rest. */
 static struct pel_mail *next_mail(struct pel_renderloop *loop)
 {
     struct pel_mail *mail = NULL;
@@ -641,10 +643,24 @@ static struct pel_mail *next_mail(struct pel_renderloop *loop)
             loop->again.first) {
             break;
         }
-        pthread_cond_wait(&loop->wake, &loop->lock);
+        int64_t begun_ns = pel_now_ns();
+        if (!loop->drew) {
+            pthread_cond_wait(&loop->wake, &loop->lock);
+            continue;
+        }
+        pel_cond_wait_ns(&loop->wake, &loop->lock, REST_NS);
+        if (pel_now_ns() - begun_ns >= REST_NS) {
+            break;
+        }
     }
     pthread_mutex_unlock(&loop->lock);
     return mail;
+}
+
+static bool is_idle(struct pel_renderloop *loop, const struct pel_mail *mail)
+{
+    return !mail && loop->submitted == 0 && !loop->large &&
+           in_flight(loop) == 0 && !loop->again.first && !loop->large_drawn;
 }
 
 static void answer_optics(struct pel_renderloop *loop,
@@ -688,6 +704,12 @@ static void draw_jobs(struct pel_renderloop *loop)
         while (collect_one(loop, 0)) {
         }
         struct pel_mail *mail = next_mail(loop);
+        if (is_idle(loop, mail)) {
+            pel_renderer_rest(loop->renderer);
+            loop->drew = false;
+            continue;
+        }
+        loop->drew = true;
         submit_again(loop);
         bool waiting = in_flight(loop) > 0;
         if (mail && mail->kind == PEL_MAIL_OPTICS) {

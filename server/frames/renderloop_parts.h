@@ -49,6 +49,7 @@ struct pel_renderloop {
     unsigned jobs_since;                  /* its last band */
     _Atomic uint64_t band_pixels;
     int64_t drawn_ns; /* when the last picture was there; render thread */
+    bool drew;        /* since it rested; render thread */
     atomic_bool stop;
     atomic_size_t held_bytes, held_large;
     clockid_t control; /* what the thread that made this has computed */

@@ -102,6 +102,17 @@ static void trim(struct pel_readback *r)
     }
 }
 
+void pel_readback_rest(struct pel_readback *r)
+{
+    for (size_t i = 0; i < PEL_READBACK_SLOTS; i++) {
+        struct pel_readback_slot *slot = &r->slots[i];
+        if (slot->capacity > KEPT_BYTES &&
+            !atomic_load_explicit(&slot->busy, memory_order_acquire)) {
+            drop_buffer(slot);
+        }
+    }
+}
+
 /* The free slot that fits best; growing one only when none is large enough. */
 static struct pel_readback_slot *take_slot(struct pel_readback *r, size_t size)
 {

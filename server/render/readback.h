@@ -39,6 +39,8 @@ struct pel_readback_source {
 
 PEL_CHECK enum pel_err pel_readback_init(struct pel_readback *r);
 void pel_readback_finish(struct pel_readback *r);
+/* Gives back large buffers in which no picture is. */
+void pel_readback_rest(struct pel_readback *r);
 /* Gives one buffer back, which no picture is in; false: there is none left. */
 bool pel_readback_give_one(struct pel_readback *r);
 

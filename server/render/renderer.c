@@ -600,6 +600,17 @@ size_t pel_renderer_abandon(struct pel_renderer *r, void **users, size_t most)
     return pel_readback_abandon(&r->readback, users, most);
 }
 
+void pel_renderer_rest(struct pel_renderer *r)
+{
+    bool turn = r->drew && pel_turn_begin();
+    pel_targets_rest(&r->targets);
+    pel_together_rest(&r->together);
+    pel_under_map_rest(&r->under);
+    pel_readback_rest(&r->readback);
+    glFlush();
+    pel_turn_end(turn);
+}
+
 bool pel_renderer_unused(const struct pel_renderer *r)
 {
     return pel_readback_free(&r->readback) == PEL_READBACK_SLOTS;

@@ -245,6 +245,10 @@ bool pel_renderer_lost(struct pel_renderer *r);
  * of its draws, at most `most`; their count. Bands are dropped. */
 size_t pel_renderer_abandon(struct pel_renderer *r, void **users, size_t most);
 
+/* Nothing is drawn for a while: what large pictures took and small ones do not
+ * need goes back. Programs and what shows the sea stay. */
+void pel_renderer_rest(struct pel_renderer *r);
+
 /* Whether all pictures were released, so that it may be destroyed. */
 bool pel_renderer_unused(const struct pel_renderer *r);
 

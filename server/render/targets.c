@@ -3,6 +3,7 @@
 #include <stddef.h>
 
 #define SMALL_DRAWS 256
+#define KEPT_PIXELS (1u << 20) /* by who rests */
 
 void pel_targets_finish(struct pel_targets *t)
 {
@@ -16,6 +17,13 @@ void pel_targets_finish(struct pel_targets *t)
     glDeleteTextures(PEL_LAYERS, t->planes);
     glDeleteFramebuffers(5, fbos);
     *t = (struct pel_targets){ 0 };
+}
+
+void pel_targets_rest(struct pel_targets *t)
+{
+    if ((size_t)t->width * t->height > KEPT_PIXELS) {
+        pel_targets_finish(t);
+    }
 }
 
 static GLuint make_target(GLenum format, uint32_t width, uint32_t height,

@@ -37,3 +37,5 @@ void pel_targets_fit(struct pel_targets *t, uint32_t width, uint32_t height,
 GLuint pel_targets_attach(struct pel_targets *t, const struct pel_pass *pass);
 
 void pel_targets_finish(struct pel_targets *t);
+/* Gives large ones back. */
+void pel_targets_rest(struct pel_targets *t);

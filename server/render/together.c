@@ -22,6 +22,7 @@
 /* What does not need a quarter of the memory this often in a row gives it back.
  */
 #define SMALL_DRAWS 256
+#define KEPT_PIXELS (1u << 20) /* by who rests */
 /* Before the entries of a list: how many each view has. */
 #define LIST_HEAD (PEL_TOGETHER_MOST * sizeof(GLuint))
 /* Pixels of a view to a thread that takes one entry after the other: few more
@@ -383,6 +384,13 @@ enum pel_err pel_together_reserve(struct pel_renderer *r)
         }
     }
     return err;
+}
+
+void pel_together_rest(struct pel_together *t)
+{
+    if (t->pixel_capacity > KEPT_PIXELS) {
+        drop_memory(t);
+    }
 }
 
 void pel_together_finish(struct pel_together *t)

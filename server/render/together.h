@@ -61,6 +61,8 @@ PEL_CHECK enum pel_err pel_together_reserve(struct pel_renderer *r);
 void pel_together_draw(struct pel_renderer *r,
                        const struct pel_environment *env);
 
+/* Gives back what many or large views took. */
+void pel_together_rest(struct pel_together *t);
 void pel_together_finish(struct pel_together *t);
 
 #endif
