@@ -125,6 +125,25 @@ enum pel_err pel_file_read(const char *path, size_t most, char **out,
     return PEL_OK;
 }
 
+enum pel_err pel_file_inside(const char *directory, const char *path,
+                             struct pel_fault *fault)
+{
+    char *real = realpath(path, NULL);
+    char *whole = real ? realpath(directory, NULL) : NULL;
+    size_t length = whole ? strlen(whole) : 0;
+    bool out =
+        real && (!whole || strncmp(real, whole, length) != 0 ||
+                 (real[length] != '/' && real[length] != '\0' && length > 1));
+    free(whole);
+    free(real);
+    const char *name = strrchr(path, '/');
+    return out ? pel_fault_set(fault, PEL_ERR_INVALID,
+                               "%.80s is a link out of %.80s; put the file "
+                               "itself there",
+                               name ? name + 1 : path, directory)
+               : PEL_OK;
+}
+
 bool pel_file_write(int fd, const void *data, size_t size)
 {
     const char *bytes = data;

@@ -20,6 +20,12 @@ PEL_CHECK enum pel_err pel_file_open(const char *path, int *out,
 PEL_CHECK enum pel_err pel_file_read(const char *path, size_t most, char **out,
                                      size_t *size, struct pel_fault *fault);
 
+/* Whether what is at `path`, below a directory of ours, is there and not behind
+ * a link that leads out of it; links within it are all right. INVALID: it
+ * leads out; what is not there is for who opens it. */
+PEL_CHECK enum pel_err pel_file_inside(const char *directory, const char *path,
+                                       struct pel_fault *fault);
+
 /* Writes all of it, however often the system takes part of it; false: errno.
  * What was written till then is in the file. */
 PEL_CHECK bool pel_file_write(int fd, const void *data, size_t size);

@@ -18,6 +18,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/file.h"
 
 #define MOST_WORDS 240 /* of the helper's complaint */
 
@@ -286,18 +287,6 @@ enum pel_err pel_helper_run(const struct pel_helper_task *task,
     return err;
 }
 
-/* Links within the directory are all right. */
-static bool leads_out(const char *directory, const char *path)
-{
-    char *whole = realpath(directory, NULL), *real = realpath(path, NULL);
-    size_t length = whole ? strlen(whole) : 0;
-    bool out = !whole || !real || strncmp(real, whole, length) != 0 ||
-               (real[length] != '/' && length > 1);
-    free(whole);
-    free(real);
-    return out;
-}
-
 static bool well_formed(const char *file)
 {
     for (const char *name = file;; name++) {
@@ -331,10 +320,5 @@ enum pel_err pel_helper_find(const char *directory, const char *file,
         return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
                              "%.80s: no such file in %.120s", file, directory);
     }
-    return leads_out(directory, path)
-               ? pel_fault_set(fault, PEL_ERR_INVALID,
-                               "%.80s is a link out of %.80s; put the file "
-                               "itself there",
-                               file, directory)
-               : PEL_OK;
+    return pel_file_inside(directory, path, fault);
 }

@@ -46,7 +46,7 @@ static enum pel_err check(const struct pel_model_source *s, char path[4096],
 }
 
 /* What NAME.json says. */
-static enum pel_err describe(const char *path,
+static enum pel_err describe(const char *directory, const char *path,
                              struct pel_model_description *out,
                              struct pel_fault *fault)
 {
@@ -63,8 +63,10 @@ static enum pel_err describe(const char *path,
     if (access(name, F_OK) != 0) {
         return PEL_OK;
     }
-    enum pel_err err =
-        pel_file_read(name, PEL_DESCRIPTION_MOST, &text, &size, fault);
+    enum pel_err err = pel_file_inside(directory, name, fault);
+    if (!err) {
+        err = pel_file_read(name, PEL_DESCRIPTION_MOST, &text, &size, fault);
+    }
     if (!err) {
         struct pel_fault why = { 0 };
         err = pel_model_description_read(text, size, out, &why);
@@ -179,7 +181,7 @@ enum pel_err pel_model_load(const struct pel_model_source *source,
     enum pel_err err =
         d ? check(source, path, fault)
           : pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
-    err = err ? err : describe(path, d, fault);
+    err = err ? err : describe(source->directory, path, d, fault);
     err = err ? err : run(source, d, &bytes, &size, fault);
     if (!err) {
         struct pel_fault why = { 0 };

@@ -201,7 +201,10 @@ static enum pel_err read_series(const char *directory, const char *station,
         return pel_fault_set(fault, PEL_ERR_IO, "the path of %s is too long",
                              station);
     }
-    enum pel_err err = read_text(path, &text, fault);
+    enum pel_err err = pel_file_inside(directory, path, fault);
+    if (!err) {
+        err = read_text(path, &text, fault);
+    }
     if (!text) {
         return err;
     }

@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/reserve.h"
 #include "bounds.h"
 #include "fault.h"
@@ -232,6 +233,9 @@ static void find_files(const char *directory, const char *below, int depth,
             strlen(name) > PEL_BOUND_FILE_BYTES ||
             !g_utf8_validate(name, -1, NULL)) {
             continue;
+        }
+        if (pel_file_inside(directory, whole, NULL)) {
+            continue; /* it would be refused by name */
         }
         if (g_file_test(whole, G_FILE_TEST_IS_DIR)) {
             find_files(directory, name, depth + 1, out);

@@ -82,9 +82,10 @@ static enum pel_err path_of(const struct pel_exercise_files *files,
                          fault);
         return PEL_ERR_CONFLICT;
     }
-    if (!pel_exercise_good_name(name)) {
+    if (!pel_exercise_good_name(name) || *name == '-') {
         pel_fault_refuse(PEL_ERR_INVALID, "name", name,
-                         "must be 1 to 64 of A-Z a-z 0-9 _ -", fault);
+                         "must be 1 to 64 of A-Z a-z 0-9 _ -, and no - first",
+                         fault);
         return PEL_ERR_INVALID;
     }
     *out = g_strdup_printf("%s/%s" ENDING, files->directory, name);
@@ -104,7 +105,10 @@ enum pel_err pel_exercise_files_read(struct pel_exercise_files *files,
     if (err) {
         return err;
     }
-    err = pel_file_read(path, PEL_JSON_MAX_BYTES, &text, &size, &why);
+    err = pel_file_inside(files->directory, path, &why);
+    if (!err) {
+        err = pel_file_read(path, PEL_JSON_MAX_BYTES, &text, &size, &why);
+    }
     if (err == PEL_ERR_NOT_FOUND) {
         return pel_fault_refuse(err, "name", name,
                                 "is no exercise; `pelagosctl exercise list` "
@@ -148,7 +152,7 @@ static GPtrArray *look(const struct pel_exercise_files *files)
     while (dir && (entry = g_dir_read_name(dir))) {
         if (g_str_has_suffix(entry, ENDING)) {
             char *name = g_strndup(entry, strlen(entry) - strlen(ENDING));
-            if (pel_exercise_good_name(name)) {
+            if (pel_exercise_good_name(name) && *name != '-') {
                 g_ptr_array_add(listing, name);
             } else {
                 g_free(name);

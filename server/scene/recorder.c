@@ -90,11 +90,12 @@ static char *name_of_now(void)
 static enum pel_err check_name(const char *name, struct pel_fault *fault)
 {
     size_t length = strlen(name);
-    return length > NAME_MOST || *name == '.' ||
+    return length > NAME_MOST || *name == '.' || *name == '-' ||
                    strspn(name, NAME_LETTERS) != length
                ? pel_fault_set(fault, PEL_ERR_INVALID,
                                "a recording's name has 1 to %d of A-Z a-z 0-9 "
-                               ". _ - and no dot first, and \"%.80s\" has not",
+                               ". _ - and neither . nor - first, and \"%.80s\" "
+                               "is another",
                                NAME_MOST, name)
                : PEL_OK;
 }

@@ -22,7 +22,8 @@ void pel_recorder_destroy(struct pel_recorder *recorder); /* NULL allowed */
 /* Begins NAME.pelog in the directory; NULL or "": the name is UTC of now.
  * CONFLICT: it is recording already, there is no directory, or such a file, or
  * the node has not joined its exercise;
- * INVALID: the name, of 1 to 64 of A-Z a-z 0-9 . _ - and no dot first. */
+ * INVALID: the name, of 1 to 64 of A-Z a-z 0-9 . _ - and neither . nor -
+ * first. */
 PEL_CHECK enum pel_err pel_recorder_start(struct pel_recorder *recorder,
                                           const char *name,
                                           struct pel_fault *fault);
