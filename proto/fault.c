@@ -25,6 +25,8 @@ static Pelagos__ErrorCode code_of(enum pel_err err)
         return PELAGOS__ERROR_CODE__UNAUTHORIZED;
     case PEL_ERR_FORBIDDEN:
         return PELAGOS__ERROR_CODE__FORBIDDEN;
+    case PEL_ERR_FULL:
+        return PELAGOS__ERROR_CODE__IO;
     default:
         return PELAGOS__ERROR_CODE__INTERNAL;
     }

@@ -94,6 +94,7 @@ static struct pel_scene_options scene_options(const struct daemon *d)
 {
     return (struct pel_scene_options){
         .state_path = or_null(d->options.state),
+        .journal_goes_on = d->options.journal_full == 1,
         .wave_count = d->options.waves,
         .spectra = or_null(d->options.spectra),
         .bathymetry = or_null(d->options.bathymetry),
@@ -154,6 +155,7 @@ static enum pel_err start_record(struct daemon *d, struct pel_fault *fault)
             .path = or_null(d->options.record),
             .segment_mib = d->options.record_segment_mib,
             .keep = (unsigned)d->options.record_keep,
+            .keep_days = d->options.record_days,
             .again_s = 10,
             .program = "pelagosd " PEL_VERSION,
             .device = pel_frames_device(d->frames),
@@ -622,6 +624,7 @@ int main(int argc, char **argv)
         return EXIT_USAGE;
     }
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); /* ulimit -f: EFBIG, as a disk that is full */
     pel_log_set_format((enum pel_log_format)d.options.log_format);
     pel_log_set_level((enum pel_log_level)d.options.log_level);
     switch (action) {

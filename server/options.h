@@ -57,7 +57,8 @@ struct pel_options {
     int cigi_gone;
     char state[PEL_OPTION_TEXT], record[PEL_OPTION_TEXT];
     double record_segment_mib;
-    int record_keep;
+    int record_keep, journal_full;
+    double record_days;
     int waves;
     char spectra[PEL_OPTION_TEXT], bathymetry[PEL_OPTION_TEXT];
     char weather[PEL_OPTION_TEXT];

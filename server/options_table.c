@@ -23,6 +23,7 @@ static const char *const reflection_words[] = { "drawn", "paper", NULL };
 static const char *const realtime_words[] = { "auto", "off", "on", NULL };
 static const char *const form_words[] = { "auto", "text", "json", "journal",
                                           NULL };
+static const char *const full_words[] = { "refuse", "continue", NULL };
 static const char *const level_words[] = { "error", "warning", "info", "debug",
                                            NULL };
 
@@ -94,6 +95,11 @@ const struct pel_option pel_option_table[] = {
           "version is refused and stays as it is. With --exercise it is a "
           "copy of the last sealed state, without a journal "
           "(docs/cluster.md)." },
+    { "journal-full", "scene", PEL_OPTION_CHOICE, "HOW", "refuse",
+      .choices = full_words, .offset = FIELD(journal_full),
+      .help = "When the disk is full and what is reserved for FILE.journal is "
+              "used up: an edit is refused (HTTP 507), or takes effect, is "
+              "answered with X-Pelagos-Volatile, and a kill loses it." },
     { "record", "scene", PEL_OPTION_PATH, "FILE|off", "off",
       .offset = FIELD(record),
       .help = "Writes every accepted command with its simulated time into "
@@ -105,7 +111,13 @@ const struct pel_option pel_option_table[] = {
       .help = "Size at which --record begins a new segment." },
     { "record-keep", "scene", PEL_OPTION_INT, "COUNT", "16", 2, 100000,
       "segments", .offset = FIELD(record_keep),
-      .help = "Segments of --record that are kept; older ones are removed." },
+      .help = "What is kept of --record: as many bytes as that many full "
+              "segments have; the oldest go first. Shorter ones, as restarts "
+              "leave them, count as what they have, up to 500 files." },
+    { "record-days", "scene", PEL_OPTION_DOUBLE, "DAYS", "0", 0, 36500, "d",
+      .offset = FIELD(record_days),
+      .help = "Segments of --record that ended longer ago are removed when the "
+              "next one begins; 0: none is, for its age." },
     { "recordings", "scene", PEL_OPTION_PATH, "DIRECTORY|off", "off",
       .offset = FIELD(recordings),
       .help =

@@ -16,7 +16,7 @@ import time
 import unittest
 
 import cluster_case as case
-from pelagos_daemon import BIN, Daemon, schema, until
+from pelagos_daemon import BIN, Daemon, log_entries, schema, until
 
 NEVER = {"sea": {"windSpeed": 23.5}}  # of edits that nobody seals
 AHEAD_S = 10.5  # from one whole state to the next, and a little
@@ -29,20 +29,8 @@ def entries_of(*paths):
     for path in paths:
         with open(path, "rb") as f:
             data = f.read()
-        assert data[:8] == b"PELOG1\r\n", data[:8]
-        at, entries = 8, []
-        while at < len(data):
-            size, shift = 0, 0
-            while True:
-                size |= (data[at] & 127) << shift
-                shift += 7
-                at += 1
-                if data[at - 1] < 128:
-                    break
-            if at + size > len(data):
-                break
-            entries.append(pb.LogEntry.FromString(data[at:at + size]))
-            at += size
+        entries = [pb.LogEntry.FromString(entry)
+                   for entry in log_entries(data)]
         assert entries[0].head.version == 2, entries[0].head.version
         logs.append(entries)
     logs.sort(key=lambda entries: entries[0].head.segment)

@@ -6,6 +6,7 @@ import http.client
 import json
 import os
 import random
+import resource
 import signal
 import subprocess
 import sys
@@ -22,6 +23,28 @@ KILLS = int(os.environ.get("DURABLE_KILLS", "4"))
 
 def field(daemon, path):
     return daemon.get("/v1/state/" + path).json()["value"]
+
+
+def read(path):
+    with open(path, "rb") as f:
+        return f.read()
+
+
+def health(daemon):
+    answer = daemon.get("/healthz")
+    assert answer.status == 200, answer
+    return answer.json()
+
+
+@contextlib.contextmanager
+def small_file_limit(size):
+    """Daemons that start within may have files of so many bytes."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 @contextlib.contextmanager
@@ -156,6 +179,47 @@ class Durable(unittest.TestCase):
             self.assertEqual(field(daemon, "clock.time"), at)
 
     def test_a_damaged_journal(self):
+        """What is whole is used, the file is kept, the loss is told in numbers
+        until somebody has looked."""
+        journal = self.state + ".journal"
+        daemon = self.daemon()
+        for i in range(20):
+            self.assertEqual(daemon.patch({"entities": {str(30 + i): {
+                "name": f"ship {i}", "latitude": 52.6, "longitude": 5.2}}}
+                ).status, 200)
+        daemon.stop(signal.SIGKILL)
+        with open(journal, "rb") as f:
+            whole = bytearray(f.read())
+        at = whole.index(b"ship 7")
+        whole[at] ^= 1
+        with open(journal, "wb") as f:
+            f.write(whole)
+        # The state of before the edits.
+        with open(self.state, encoding="utf-8") as f:
+            old = json.load(f)
+        old.pop("stateChecksum")
+        old["revision"] = "0"
+        old["entities"] = [e for e in old["entities"] if e["id"] < 30]
+        with open(self.state, "w", encoding="utf-8") as f:
+            json.dump(old, f)
+        with self.daemon() as daemon:
+            names = [e["name"] for e in daemon.state()["entities"]
+                     if e["id"] >= 30]
+            self.assertEqual(names, [f"ship {i}" for i in range(20) if i != 7])
+            log = daemon.log()
+            self.assertIn("SCN-015", log)
+            self.assertIn("19 edits of it are used, 1 are lost", log)
+            self.assertIn(f"first at byte {whole.rindex(whole[8:12], 0, at)}",
+                          log)
+            with open(journal + ".bad", "rb") as f:
+                self.assertEqual(f.read(), whole)
+            said = health(daemon)
+            self.assertEqual(said["status"], "degraded")
+            self.assertIn("1 are lost", said["degraded"][0]["reason"])
+            os.unlink(journal + ".bad")  # somebody has looked
+            self.assertEqual(health(daemon)["status"], "ok")
+
+    def test_a_torn_journal(self):
         daemon = self.daemon()
         for i in range(4):
             daemon.patch({"sky": {"visibility": 7000 + i}})
@@ -163,15 +227,109 @@ class Durable(unittest.TestCase):
         with open(self.state + ".journal", "r+b") as f:
             size = os.fstat(f.fileno()).st_size
             f.truncate(size - 3)   # torn: its last edit is left out
-        os.utime(self.state)
         with self.daemon() as daemon:
             self.assertEqual(field(daemon, "sky.visibility"), 7002)
+            self.assertIn("1 are lost", daemon.log())
         # The daemon ended well: what lies there now belongs to nobody.
         with open(self.state + ".journal", "wb") as f:
             f.write(b"no journal")
         with self.daemon() as daemon:
             self.assertEqual(field(daemon, "sky.visibility"), 7002)
             self.assertIn("SCN-015", daemon.log())
+        with open(self.state + ".journal.bad.2", "rb") as f:
+            self.assertEqual(f.read(), b"no journal")
+
+    def test_the_journal_of_another_state_file(self):
+        """As a state file that was copied over that of a daemon that was
+        killed."""
+        daemon = self.daemon()
+        daemon.patch({"sky": {"visibility": 7000}})
+        daemon.stop(signal.SIGKILL)
+        other = os.path.join(self.folder.name, "other.json")
+        with Daemon("--state", other) as daemon:
+            daemon.patch({"sky": {"visibility": 8000}})
+        os.rename(other, self.state)
+        with self.daemon() as daemon:
+            self.assertEqual(field(daemon, "sky.visibility"), 8000)
+            self.assertIn("of another state file", daemon.log())
+        self.assertTrue(os.path.exists(self.state + ".journal.bad"))
+
+    def test_a_flipped_bit_of_the_state_file(self):
+        """All of them are told; the journal has the state, where there is
+        one."""
+        daemon = self.daemon()
+        daemon.patch({"sky": {"visibility": 7000}})
+        until("it is saved", lambda: b"7000" in read(self.state))
+        daemon.stop(signal.SIGKILL)
+        whole = bytearray(read(self.state))
+        journal = read(self.state + ".journal")
+        for at in (whole.index(b"7000") + 1, 20, whole.index(b"Lineage") + 14):
+            for name in os.listdir(self.folder.name):
+                os.unlink(os.path.join(self.folder.name, name))
+            bad = bytearray(whole)
+            bad[at] ^= 1
+            with open(self.state, "wb") as f:
+                f.write(bad)
+            with open(self.state + ".journal", "wb") as f:
+                f.write(journal)
+            with self.daemon() as daemon:
+                self.assertEqual(field(daemon, "sky.visibility"), 7000)
+                self.assertIn("SCN-002", daemon.log())
+                self.assertEqual(health(daemon)["status"], "degraded")
+            with open(self.state + ".bad", "rb") as f:
+                self.assertEqual(f.read(), bad)
+
+    def test_a_limit_of_file_sizes(self):
+        """ulimit -f: as a disk that is full, and no signal ends the daemon."""
+        record = os.path.join(self.folder.name, "r.pelog")
+        with small_file_limit(48 << 10):
+            daemon = self.daemon("--record", record)
+        answers = [daemon.patch({"entities": {"5": {
+            "name": "n" * 60, "latitude": 52.6, "heading": i % 360}}}).status
+            for i in range(900)]
+        self.assertLessEqual(set(answers), {200, 507})
+        self.assertGreater(answers.count(200), 300)
+        self.assertIn("REC-002", daemon.log())
+        until("the journal begins anew", lambda: daemon.patch({
+            "sky": {"visibility": 7001}}).status == 200)
+        daemon.stop(signal.SIGKILL)
+        with self.daemon() as daemon:
+            self.assertEqual(field(daemon, "sky.visibility"), 7001)
+
+    @unittest.skipIf(SANITIZED, "a sanitizer must be loaded first")
+    def test_beyond_what_is_reserved(self):
+        """Edits are kept within what was reserved before the disk was full,
+        then refused with 507, and taken again when there is room."""
+        with disk_that_fills(self.folder.name) as full:
+            daemon = self.daemon()
+            open(full, "w").close()
+            kept, status = 0, 200
+            while status == 200:
+                answer = daemon.patch({"views": {f"v{kept % 50}": {"entity": 1}},
+                                       "sky": {"visibility": 5000 + kept},
+                                       "entities": {str(100 + i): {
+                                           "name": "x" * 60, "latitude": 52.6,
+                                           "longitude": 5 + i / 1000}
+                                           for i in range(100)}})
+                status = answer.status
+                kept += status == 200
+            self.assertEqual(status, 507, answer)
+            self.assertEqual(answer.json()["code"], "IO")
+            self.assertGreater(kept, 50)
+            print(f"{kept} edits of 10 kB within what is reserved")
+            self.assertEqual(field(daemon, "sky.visibility"), 4999 + kept)
+            said = health(daemon)
+            self.assertEqual(said["status"], "degraded")
+            self.assertIn("edits are refused", str(said["degraded"]))
+            self.assertEqual(daemon.get(
+                "/v1/views/bridge/frame.jpg?width=64&height=36").status, 200)
+            daemon.stop(signal.SIGKILL)
+            with self.daemon() as daemon:  # full still
+                self.assertEqual(field(daemon, "sky.visibility"), 4999 + kept)
+                os.unlink(full)
+                until("it is well", lambda: health(daemon)["status"] == "ok")
+                self.assertEqual(daemon.patch({"sky": {
+                    "visibility": 7000}}).status, 200)
 
     def test_a_state_that_was_removed_stays_so(self):
         daemon = self.daemon()
@@ -244,9 +402,10 @@ class Durable(unittest.TestCase):
 
     @unittest.skipIf(SANITIZED, "a sanitizer must be loaded first")
     def test_other_faults_of_the_disk(self):
-        """Read-only, failing, taking half of what is written: pictures and
-        edits go on; each part says it once, and once that it is over; then
-        nothing that was answered is lost."""
+        """Read-only, failing, taking half of what is written: pictures go on,
+        and edits that cannot be kept are refused and change nothing; each part
+        says it once, and once that it is over; then nothing that was answered
+        is lost."""
         record = os.path.join(self.folder.name, "r.pelog")
         with disk_that_fills(self.folder.name) as path:
             for at, fault in enumerate(("EROFS", "EIO", "SHORT")):
@@ -256,13 +415,16 @@ class Durable(unittest.TestCase):
                     with open(path + "-", "w") as f:
                         f.write(fault)
                     os.rename(path + "-", path)
-                    self._edits_and_pictures(daemon, base)
-                    until("said", lambda: "SCN-003" in daemon.log())
-                    # Tried again, and not said again.
-                    until("tried again", lambda: daemon.metrics()[
-                        "pelagos_scene_save_errors_total"] >= 2)
+                    before = field(daemon, "sky.visibility")
+                    self._edits_and_pictures(daemon, base, 507)
+                    self.assertEqual(field(daemon, "sky.visibility"), before)
+                    self.assertEqual(health(daemon)["status"], "degraded")
+                    until("said", lambda: "SCN-012" in daemon.log())
                     os.unlink(path)
-                    until("saved again", lambda: "SCN-014" in daemon.log())
+                    # Without an edit, too.
+                    until("it takes edits again", lambda: health(daemon)[
+                        "status"] == "ok")
+                    self._edits_and_pictures(daemon, base + 50)
 
                     def well():
                         self._edits_and_pictures(daemon, base + 50)
@@ -271,7 +433,8 @@ class Durable(unittest.TestCase):
                             "SCN-012" in log) == ("SCN-013" in log)
                     until("all is over", well)
                     log = daemon.log()
-                    for what in ("SCN-003", "SCN-014", "SCN-012", "REC-002"):
+                    for what in ("SCN-003", "SCN-014", "SCN-012", "SCN-033",
+                                 "REC-002"):
                         self.assertLessEqual(log.count(what), 1, log)
                     daemon.stop(signal.SIGKILL)
                 with self.daemon() as daemon:
@@ -282,10 +445,13 @@ class Durable(unittest.TestCase):
         """Where neither the state nor its journal can be written SIGTERM does
         not end with 0."""
         with disk_that_fills(self.folder.name) as path:
-            daemon = self.daemon()
+            daemon = self.daemon("--journal-full", "continue")
             with open(path, "w", encoding="ascii") as f:
                 f.write("EIO")
             self._edits_and_pictures(daemon, 8100)
+            answer = daemon.patch({"sky": {"visibility": 8100}})
+            self.assertIn("X-Pelagos-Volatile", answer.headers)
+            self.assertIn("not kept", str(health(daemon)["degraded"]))
             until("not in the journal", lambda: "SCN-012" in daemon.log())
             log = daemon.log_path
             daemon.process.terminate()
@@ -316,10 +482,10 @@ class Durable(unittest.TestCase):
         print(f"an edit: median {1e3 * edits[1000]:.2f} ms, "
               f"p99 {1e3 * edits[1980]:.2f} ms, worst {1e3 * edits[-1]:.1f} ms")
 
-    def _edits_and_pictures(self, daemon, base):
+    def _edits_and_pictures(self, daemon, base, status=200):
         for i in range(3):
             self.assertEqual(daemon.patch({"sky": {
-                "visibility": base + i}}).status, 200)
+                "visibility": base + i}}).status, status)
             self.assertEqual(daemon.get(
                 "/v1/views/bridge/frame.jpg?width=64&height=36").status, 200)
 

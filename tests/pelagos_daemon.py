@@ -74,6 +74,18 @@ class Response:
         return f"<{self.status} {self.body[:200]!r}>"
 
 
+def log_entries(data):
+    """The entries of a command log (proto/pelog.md), as bytes."""
+    assert data[:8] == b"PELOG2\r\n", data[:8]
+    at = 32
+    while data[at:at + 4] == data[8:12]:
+        length = int.from_bytes(data[at + 8:at + 12], "little")
+        if at + 16 + length > len(data):
+            break
+        yield data[at + 16:at + 16 + length]
+        at += 16 + length
+
+
 class Daemon:
     """options: further command-line arguments; http_port: 0 for any;
     unix: a Unix socket in the daemon's own folder; log_level: of the daemon."""

@@ -14,7 +14,7 @@ from pymodbus.client import ModbusTcpClient
 
 import cigi_host as cigi
 from modbus_test import check, floats
-from pelagos_daemon import (BIN, SLOW_S, Daemon, free_port, read_varint, schema,
+from pelagos_daemon import (BIN, SLOW_S, Daemon, free_port, log_entries, schema,
                             until)
 
 VIEW = {"views": {"bridge": {"width": 160, "height": 90, "up": 12}}}
@@ -41,16 +41,7 @@ def ctl(daemon, *words, status=0):
 def entries(path):
     pb = schema()
     with open(path, "rb") as f:
-        data = f.read()
-    check(data[:8] == b"PELOG1\r\n", "magic")
-    data, out = data[8:], []
-    while data:
-        length, used = read_varint(data)
-        if not used or len(data) - used < length:
-            break
-        out.append(pb.LogEntry.FromString(data[used:used + length]))
-        data = data[used + length:]
-    return out
+        return [pb.LogEntry.FromString(entry) for entry in log_entries(f.read())]
 
 
 def segments(log):
@@ -362,8 +353,11 @@ def refused(folder):
         check("entry" in ctl(daemon, "replay", bad, status=1), "garbage")
         write(good[:40])
         ctl(daemon, "replay", bad, status=1)
-        write(good[:8] + good[8:].replace(b"\x08\x01", b"\x08\x03", 1))
-        ctl(daemon, "replay", bad, status=1)
+        write(good.replace(b"PELOG2", b"PELOG3", 1))
+        check("version 3" in ctl(daemon, "replay", bad, status=1), "newer")
+        middle = len(good) // 2
+        write(good[:middle] + bytes([good[middle] ^ 4]) + good[middle + 1:])
+        check("checksum" in ctl(daemon, "replay", bad, status=1), "flipped")
         ctl(daemon, "replay", log, "--loop", status=2)
         ctl(daemon, "replay", log, "--at", "3,2", status=2)
         check(daemon.state()["revision"] == before, "nothing was changed")

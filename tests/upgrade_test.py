@@ -20,7 +20,7 @@ from pelagos_daemon import BIN, ROOT, Daemon, until
 
 GOLDEN = os.path.join(ROOT, "tests/golden/state")
 VERSIONS = sorted(os.listdir(GOLDEN))
-STATE_VERSION = 1  # of server/scene/store.h
+STATE_VERSION = 2  # of server/scene/store.h
 FIRST = {
     "clock": {"mode": "STEPPED", "time": 100},
     "sea": {"synthesiser": "TROCHOIDS", "windSpeed": 11.5,
@@ -53,6 +53,23 @@ def read(*path):
 def write(data, *path):
     with open(os.path.join(*path), "wb") as f:
         f.write(data)
+
+
+def crc32c(data):
+    """As RFC 3720 has it, little-endian."""
+    crc = 0xffffffff
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = crc >> 1 ^ (0x82f63b78 if crc & 1 else 0)
+    return (crc ^ 0xffffffff).to_bytes(4, "little")
+
+
+def with_checksum(text):
+    """A state file as its checksum says that it is."""
+    at = text.index(b'"stateChecksum": "') + 18
+    zeroed = text[:at] + bytes(8 * b"0") + text[at + 8:]
+    return (text[:at] + crc32c(zeroed)[::-1].hex().encode() + text[at + 8:])
 
 
 def make(name):
@@ -160,18 +177,42 @@ class Upgrade(unittest.TestCase):
         newer = text.replace(b'"stateVersion": %d' % STATE_VERSION,
                              b'"stateVersion": %d' % (STATE_VERSION + 1))
         self.assertNotEqual(newer, text)
+        newer = with_checksum(newer)
         write(newer, self.state)
         self.refused(f"version {STATE_VERSION + 1}")
 
     def test_a_newer_journal_is_left_alone(self):
         self.bring(VERSIONS[-1])
-        good = read(self.state + ".journal")
-        head = good.index(b"\x08\x01", 8)  # LogHead.version
-        for newer, version in (
-                (good.replace(b"PELOG1", b"PELOG2", 1), 2),
-                (good[:head] + b"\x08\x03" + good[head + 2:], 3)):
+        good = bytearray(read(self.state + ".journal"))
+        form = bytearray(good)
+        form[5] += 1
+        form[12:16] = crc32c(form[:12])
+        head = bytearray(good)
+        at = head.index(b"\x08\x01", 48)  # LogHead.version
+        end = 48 + int.from_bytes(head[40:44], "little")
+        head[at + 1] = 3
+        head[44:48] = crc32c(head[32:44] + head[48:end])
+        for newer in (form, head):
             write(newer, self.state + ".journal")
-            self.refused(f"version {version}")
+            self.refused("version 3")
+
+    def test_a_damaged_number_is_no_newer_version(self):
+        """One flipped bit of what says the version keeps no daemon from
+        starting, and loses nothing."""
+        expected = self.bring(VERSIONS[-1])
+        journal = self.state + ".journal"
+        good = read(journal)
+        write(good.replace(b"PELOG2", b"PELOG3", 1), journal)
+        with Daemon("--state", self.state) as daemon:
+            self.has(expected, daemon.state())
+            self.assertIn("SCN-015", daemon.log())
+        self.bring(VERSIONS[-1])
+        text = read(self.state)
+        write(text.replace(b'"stateVersion": 2', b'"stateVersion": 3'),
+              self.state)
+        with Daemon("--state", self.state) as daemon:
+            self.has(expected, daemon.state())
+            self.assertIn("SCN-002", daemon.log())
 
     def test_a_version_that_never_was(self):
         """Set aside, as every file that does not load."""
@@ -179,7 +220,7 @@ class Upgrade(unittest.TestCase):
             write(b'{"stateVersion": ' + wrong + b', "sea": {}}', self.state)
             with Daemon("--state", self.state) as daemon:
                 self.assertIn("SCN-002", daemon.log())
-        for wrong in (b"2", b"99999999999999999999"):
+        for wrong in (b"3", b"99999999999999999999"):
             write(b'{ "stateVersion" :' + wrong + b"}", self.state)
             self.refused("newer")
 

@@ -640,6 +640,7 @@ int main(int argc, char **argv)
 {
     setlocale(LC_CTYPE, "");
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); /* a file that may not grow is an error */
     struct ctl ctl;
     enum ctl_exit status = ctl_parse(&ctl, argc, argv);
     if (status == CTL_DONE) {

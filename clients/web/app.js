@@ -11,6 +11,7 @@ import { videoKnown } from "/video.js";
 import { Views } from "/views.js";
 
 const POLL_MS = 1000;
+const HEALTH_MS = 15000;
 const MOVING_MS = 250; // while the ship's attitude changes by itself
 const PATIENCE_MS = 700; // with a first picture, before the controls
 const byId = (id) => document.getElementById(id);
@@ -68,6 +69,19 @@ function show() {
   const silent = silentInputs(state);
   byId("silent").hidden = silent === "";
   byId("silent-names").textContent = silent;
+}
+
+// What keeps edits from the disk, in the server's words.
+async function showHealth() {
+  const health = document.hidden ? null
+    : await fetch("/healthz", { cache: "no-store" })
+      .then((answer) => answer.json(), () => null).catch(() => null);
+  if (health) {
+    const reasons = (health.degraded ?? []).map((one) => one.reason);
+    byId("degraded").hidden = reasons.length === 0;
+    byId("degraded").textContent = reasons.length === 0 ? ""
+      : `The server is not well: ${reasons.join("; ")}.`;
+  }
 }
 
 // Once for all that is asked for within one frame of the screen.
@@ -233,5 +247,7 @@ byId("about-open").addEventListener("click", async () =>
   (await import("/about.js")).showAbout());
 byId("panel").addEventListener("submit", (event) => event.preventDefault());
 setInterval(refresh, 500);
+setInterval(showHealth, HEALTH_MS);
+setTimeout(showHealth, 1000); // after the pictures
 videoKnown.then(() => poll(firstState));
 document.documentElement.dataset.runs = ""; // for before.js

@@ -26,6 +26,8 @@ const char *pel_err_name(enum pel_err err)
         return "UNAUTHORIZED";
     case PEL_ERR_FORBIDDEN:
         return "FORBIDDEN";
+    case PEL_ERR_FULL:
+        return "IO";
     case PEL_ERR_IO:
     case PEL_ERR_GPU:
     case PEL_ERR_NO_MEMORY:

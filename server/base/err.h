@@ -14,6 +14,7 @@ enum pel_err {
     PEL_ERR_UNAUTHORIZED, /* the token is missing or wrong */
     PEL_ERR_FORBIDDEN,    /* the token's role does not reach so far */
     PEL_ERR_IO,           /* the system refused; errno said why */
+    PEL_ERR_FULL,         /* the disk has no room to keep it: nothing changed */
     PEL_ERR_GPU,          /* EGL, OpenGL or a shader failed */
     PEL_ERR_NO_MEMORY,
     PEL_ERR_INTERNAL,

@@ -125,7 +125,7 @@ enum pel_modbus_exception pel_modbus_exercise_act(struct pel_modbus_exercise *e)
                         "a command of exercises by Modbus was refused: %s %s",
                         fault.path, fault.message);
         return err == PEL_ERR_INTERNAL || err == PEL_ERR_NO_MEMORY ||
-                       err == PEL_ERR_IO
+                       err == PEL_ERR_IO || err == PEL_ERR_FULL
                    ? PEL_MODBUS_FAILURE
                    : PEL_MODBUS_ILLEGAL_VALUE;
     }

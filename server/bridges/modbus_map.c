@@ -445,6 +445,7 @@ static void on_committed(void *user, enum pel_err err,
 {
     struct pel_modbus_map *map = user;
     count_commit(map, err, fault);
+    map->ended = err;
     map->waiting--;
     map->settled(map->user);
 }
@@ -458,7 +459,11 @@ static enum pel_err commit(struct pel_modbus_map *map,
                                     : pel_scene_patch(map->scene, patch, fault);
     if (!err && map->settled) {
         map->waiting++;
-        pel_scene_submit(map->scene, &wish, on_committed, map);
+        map->ended = PEL_OK;
+        /* A disk that is full refuses what the test let through. */
+        if (!pel_scene_submit(map->scene, &wish, on_committed, map)) {
+            return map->ended;
+        }
     } else if (!err) {
         count_commit(map, PEL_OK, fault);
     }
@@ -481,8 +486,12 @@ static enum pel_modbus_exception commit_staged(struct pel_modbus_map *map)
     }
     pelagos__patch__free_unpacked(patch, NULL);
     if (err) {
-        count_commit(map, err, &fault);
-        return err == PEL_ERR_INTERNAL || err == PEL_ERR_NO_MEMORY
+        if (!map->ended) {
+            count_commit(map, err, &fault);
+        }
+        map->ended = PEL_OK;
+        return err == PEL_ERR_INTERNAL || err == PEL_ERR_NO_MEMORY ||
+                       err == PEL_ERR_FULL
                    ? PEL_MODBUS_FAILURE
                    : PEL_MODBUS_ILLEGAL_VALUE;
     }

@@ -38,7 +38,8 @@ struct pel_modbus_map {
      * its sea, and this is called when one no longer does. */
     void (*settled)(void *user);
     void *user;
-    unsigned waiting; /* commits that do */
+    unsigned waiting;   /* commits that do */
+    enum pel_err ended; /* how a commit did that waited for nothing */
     struct pel_modbus_exercise exercise;
 };
 

@@ -105,6 +105,10 @@ enum MHD_Result pel_http_queue(struct client *client, int status,
         client->deadline_ns = pel_http_after(server->limits.http_answer_s);
     }
     add_safety(client, status, response);
+    if (client->changes && status < 300 &&
+        pel_scene_volatile(server->context.scene)) {
+        add(response, "X-Pelagos-Volatile", "the disk is full");
+    }
     enum MHD_Result result =
         MHD_queue_response(client->connection, (unsigned)status, response);
     MHD_destroy_response(response);

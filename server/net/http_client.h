@@ -48,6 +48,7 @@ struct client {
     bool open;          /* asks for what is public: /healthz */
     bool gone;          /* the client sends no more */
     struct pel_claim pictures, unread;
+    bool changes;       /* the request that is answered is an edit */
     enum phase phase;
     int64_t deadline_ns;
     int64_t since_ns;  /* waiting for headers; the oldest makes room */

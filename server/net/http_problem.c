@@ -26,6 +26,8 @@ int pel_http_status(enum pel_err err)
         return 401;
     case PEL_ERR_FORBIDDEN:
         return 403;
+    case PEL_ERR_FULL:
+        return 507;
     case PEL_ERR_IO:
     case PEL_ERR_GPU:
     case PEL_ERR_NO_MEMORY:
@@ -64,6 +66,8 @@ static const char *title_of(int status)
         return "Not Implemented";
     case 503:
         return "Service Unavailable";
+    case 507:
+        return "Insufficient Storage";
     default:
         return "Internal Server Error";
     }

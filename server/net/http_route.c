@@ -150,13 +150,31 @@ static void append_missing(GString *out, const struct pel_missing *missing)
     }
 }
 
+/* Why it is degraded. */
+static void append_troubles(GString *out, const struct pel_troubles *troubles)
+{
+    for (size_t i = 0; i < troubles->count; i++) {
+        g_string_append_printf(
+            out, "%s{\"what\":\"%s\",\"reason\":", i ? "," : ",\"degraded\":[",
+            troubles->items[i].what);
+        append_quoted(out, troubles->items[i].words);
+        g_string_append_c(out, '}');
+    }
+    if (troubles->count > 0) {
+        g_string_append_c(out, ']');
+    }
+}
+
 static void get_health(const struct pel_http_call *call)
 {
     const struct pel_http_context *context = call->context;
     bool stuck = context->frames && pel_frames_stuck(context->frames);
-    const char *status = context->stopping ? "stopping"
-                         : stuck           ? "stuck"
-                                           : "ok";
+    struct pel_troubles troubles;
+    pel_scene_troubles(context->scene, &troubles);
+    const char *status = context->stopping    ? "stopping"
+                         : stuck              ? "stuck"
+                         : troubles.count > 0 ? "degraded"
+                                              : "ok";
     const Pelagos__State *state = pel_scene_state(context->scene);
     GString *out = g_string_new(NULL);
     enum pel_role role = pel_http_role(context, call->request);
@@ -168,6 +186,7 @@ static void get_health(const struct pel_http_call *call)
                                (unsigned long long)state->revision);
         g_string_append_printf(out, ",\"role\":\"%s\"", pel_role_name(role));
         append_missing(out, pel_scene_missing(context->scene));
+        append_troubles(out, &troubles);
     }
     if (context->frames && known) {
         struct pel_frames_stats stats;

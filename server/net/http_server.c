@@ -174,9 +174,12 @@ enum MHD_Result pel_http_take(struct client *client)
     }
     struct pel_scene *scene = client->server->context.scene;
     bool gated = pel_scene_gated(scene);
-    uint64_t before = gated ? pel_scene_state(scene)->revision : 0;
+    uint64_t before = pel_scene_state(scene)->revision;
     pel_http_route(&client->server->context, &request, &answer);
-    bool edited = gated && pel_scene_state(scene)->revision != before;
+    bool changed = pel_scene_state(scene)->revision != before;
+    bool edited = gated && changed;
+    client->changes = changed || answer.kind == PEL_HTTP_PATCH ||
+                    answer.kind == PEL_HTTP_STEP;
     client->of_debrief = answer.debrief;
     g_strlcpy(client->ignored, answer.ignored, sizeof client->ignored);
     answer.profile.who = client->who;

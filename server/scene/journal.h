@@ -1,11 +1,12 @@
-/* Edits that the state file does not hold yet: appended to PATH.journal as they
- * take effect, before they are answered, so that a process that is killed
- * loses none. A file in the form of proto/pelog.md: the state that it begins
- * with, then patches and steps. A thread brings it to the disk every
- * PEL_JOURNAL_SYNC_MS, and begins it anew from the present state when it is
- * full, so the control thread writes a few hundred bytes an edit and waits for
- * no disk. Room for a whole journal is reserved at its beginning: a disk that
- * fills up later stops no edit from being kept. Control thread. */
+/* Edits that the state file does not hold yet: appended to PATH.journal before
+ * they take effect and are answered, so that a process that is killed loses
+ * none. A file in the form of proto/pelog.md: the state that it begins with,
+ * then patches and steps, each with its checksum. A thread brings it to the
+ * disk every PEL_JOURNAL_SYNC_MS, and begins it anew from the present state
+ * when it is full, so the control thread writes a few hundred bytes an edit and
+ * waits for no disk. Room for a whole journal is reserved at its beginning: a
+ * disk that fills up later stops no edit from being kept until that is used up.
+ * Control thread. */
 #pragma once
 
 #include <stdbool.h>
@@ -14,35 +15,73 @@
 #include "base/err.h"
 #include "base/metrics.h"
 #include "pelagos.pb-c.h"
+#include "pelog.h"
 #include "scene/worker.h"
 
 #define PEL_JOURNAL_SYNC_MS 100
-#define PEL_JOURNAL_BYTES (1 << 20)      /* then it begins anew */
-#define PEL_JOURNAL_MOST_BYTES (8 << 20) /* where it cannot */
+#define PEL_JOURNAL_BYTES (1 << 20)        /* then it begins anew */
+#define PEL_JOURNAL_MOST_BYTES (8 << 20)   /* where it cannot */
+#define PEL_JOURNAL_LEAST_BYTES (16 << 10) /* without them it is not begun */
 
 struct pel_journal;
 
+/* What a journal had that is read at a start. */
+struct pel_journal_found {
+    unsigned edits; /* that were used */
+    unsigned lost;  /* that are not there, as far as that is known */
+    unsigned unfit; /* that are there and do not apply */
+    bool foreign;   /* it is of another state file, and not used */
+    bool damaged;   /* any of this, told by `words` */
+    char reason[160], words[480];
+    char *kept;     /* where the damaged file is kept, g_free; NULL: nowhere */
+    bool may_go_on; /* it is whole; its end: */
+    size_t size;
+    struct pel_log_writer writer;
+};
+
 /* Brings `state`, that of the state file, to what the journal says, as live
  * edits would have; the journal's own state where *state is NULL or older than
- * it. *edits: how many there were. No journal is no fault. A journal that
- * breaks off is used to there. MALFORMED: it is none, or an edit does not
- * apply; *state is as far as it went. CONFLICT: it is of a newer version. */
-PEL_CHECK enum pel_err pel_journal_load(const char *path,
-                                        Pelagos__State **state, unsigned *edits,
+ * it. What cannot be read is passed over, and what follows is used: an edit
+ * says what it sets, so those behind a lost one lead to the state without it.
+ * Such a file is kept as PATH.journal.bad (base/aside.h). lineage: of the state
+ * file, NULL: not known. No journal is no fault. CONFLICT: it is of a newer
+ * version. IO, OUT_OF_RANGE: it cannot be read at all. */
+PEL_CHECK enum pel_err pel_journal_load(const char *path, const char *lineage,
+                                        Pelagos__State **state,
+                                        struct pel_journal_found *found,
                                         struct pel_fault *fault);
 
+/* Who has the journal. */
+struct pel_journal_cares {
+    bool goes_on;              /* edits that it cannot keep take effect */
+    void (*wants)(void *user); /* it may be begun anew: pel_journal_is_full */
+    void *user;
+};
+
 /* Begins PATH.journal with `state`; what was there is gone. Where that fails,
- * it is logged (SCN-012) and tried again every 5 s. `worker`: brings it to the
- * disk; it ends before the journal is closed. */
-struct pel_journal *pel_journal_create(const char *path,
+ * the journal that was found (NULL: none) is gone on with; it is logged
+ * (SCN-012) and tried again every 5 s. `worker`: brings it to the disk; it ends
+ * before the journal is closed. */
+struct pel_journal *pel_journal_create(const char *path, const char *lineage,
                                        const Pelagos__State *state,
+                                       const struct pel_journal_found *found,
+                                       const struct pel_journal_cares *cares,
                                        struct pel_worker *worker);
 
-/* A patch that took effect at simulated time time_s and led to `state`, or
+/* A patch that takes effect at simulated time time_s and leads to `state`, or
  * (NULL) a step to that time: of a clock that is stepped each, of others one in
- * a tenth of a second. */
-void pel_journal_add(struct pel_journal *journal, double time_s,
-                     const Pelagos__Patch *patch, const Pelagos__State *state);
+ * a tenth of a second. False: it could not be kept; with `goes_on` the journal
+ * lacks it from now on, else the patch must not take effect. */
+PEL_CHECK bool pel_journal_add(struct pel_journal *journal, double time_s,
+                               const Pelagos__Patch *patch,
+                               const Pelagos__State *state);
+
+/* Whether an edit that took effect is in no file yet; NULL allowed. */
+bool pel_journal_lacks(const struct pel_journal *journal);
+
+/* What is wrong and what to do, in a sentence; false: nothing. NULL allowed. */
+bool pel_journal_trouble(const struct pel_journal *journal, char *out,
+                         size_t size);
 
 /* Whether it should begin anew; with the state as the state file keeps it. */
 bool pel_journal_is_full(const struct pel_journal *journal);

@@ -2,6 +2,7 @@
  * the state file, written by a thread. */
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/log.h"
@@ -14,12 +15,13 @@
 #define SAVE_AGAIN_NS 5000000000    /* after one that failed */
 
 /* What the journal has that the file has not. */
-static enum pel_err take_journal(const char *path, Pelagos__State **state,
+static enum pel_err take_journal(const char *path, const char *lineage,
+                                 Pelagos__State **state,
+                                 struct pel_journal_found *found,
                                  struct pel_fault *fault)
 {
     struct pel_fault why;
-    unsigned edits;
-    enum pel_err err = pel_journal_load(path, state, &edits, &why);
+    enum pel_err err = pel_journal_load(path, lineage, state, found, &why);
     if (err == PEL_ERR_CONFLICT) {
         return pel_fault_set(fault, PEL_ERR_IO,
                              "--state: %.80s.journal: %.120s; start that one, "
@@ -27,35 +29,59 @@ static enum pel_err take_journal(const char *path, Pelagos__State **state,
                              path, why.message);
     }
     if (err) {
-        pel_error("SCN-015", "%s.journal was used up to edit %u: %s", path,
-                  edits, why.message);
-    } else if (edits > 0) {
+        return pel_fault_set(fault, PEL_ERR_IO,
+                             "--state: %.160s; move it away, or make it one "
+                             "that can be read",
+                             why.message);
+    }
+    if (found->damaged && pel_trial()) {
+        pel_trial_note("--state: %s.journal is damaged: %s; a start keeps it "
+                       "as %s",
+                       path, found->words, found->kept);
+    } else if (found->damaged) {
+        pel_error("SCN-015", "%s.journal is damaged: %s; it is %s%s", path,
+                  found->words, found->kept ? "kept as " : "not kept",
+                  found->kept ? found->kept : "");
+    }
+    if (found->edits > 0) {
         pel_info("SCN-016",
                  "%u edits of %s.journal that the state file did not hold, to "
                  "revision %llu",
-                 edits, path, (unsigned long long)(*state)->revision);
+                 found->edits, path, (unsigned long long)(*state)->revision);
     }
     return PEL_OK;
 }
 
+static void note_loss(struct pel_loaded *loaded, const char *what, char *kept,
+                      const char *words)
+{
+    struct pel_loss *loss = &loaded->losses[loaded->loss_count++];
+    loss->what = what;
+    loss->kept = kept;
+    g_strlcpy(loss->words, words, sizeof loss->words);
+}
+
 enum pel_err pel_scene_load(struct pel_store *store,
                             const struct pel_scene_options *options,
-                            Pelagos__State **out, bool *loaded,
+                            Pelagos__State **out, struct pel_loaded *loaded,
                             struct pel_fault *fault)
 {
     struct pel_fault why;
-    g_autofree char *aside = NULL;
+    char *aside = NULL;
     *out = NULL;
+    *loaded = (struct pel_loaded){ 0 };
     enum pel_err err =
         store ? pel_store_load(store, out, &aside, &why) : PEL_ERR_NOT_FOUND;
     if (err == PEL_ERR_IO) {
         return pel_fault_set(fault, err, "--state: %.240s", why.message);
     }
     if (err != PEL_ERR_NOT_FOUND &&
-        take_journal(options->state_path, out, fault)) {
+        take_journal(options->state_path, pel_store_loaded_lineage(store), out,
+                     &loaded->journal, fault)) {
         if (*out) {
             pelagos__state__free_unpacked(*out, NULL);
         }
+        g_free(aside);
         return PEL_ERR_IO;
     }
     if (err == PEL_OK) {
@@ -66,14 +92,20 @@ enum pel_err pel_scene_load(struct pel_store *store,
                        "and begins with %s",
                        options->state_path, why.message, aside,
                        *out ? "its journal" : "defaults");
+        g_free(aside);
     } else if (err != PEL_ERR_NOT_FOUND) {
         pel_error("SCN-002",
                   "%s does not load: %s; it is kept as %s, and the scene "
                   "begins with %s",
                   options->state_path, why.message, aside,
                   *out ? "its journal" : "defaults");
+        note_loss(loaded, "state", aside, why.message);
     }
-    *loaded = *out != NULL;
+    if (loaded->journal.damaged) {
+        note_loss(loaded, "journal", loaded->journal.kept,
+                  loaded->journal.words);
+    }
+    loaded->any = *out != NULL;
     if (!*out) {
         *out = pel_state_default();
     }
@@ -112,6 +144,7 @@ static void count_save(struct pel_scene *scene, enum pel_err err,
         pel_error("SCN-003",
                   "the state was not saved, and will be tried again: %s",
                   fault->message);
+        g_strlcpy(scene->save_why, fault->message, sizeof scene->save_why);
     } else if (!err && scene->failed_saves > scene->told_saves) {
         pel_info("SCN-014", "the state is saved again");
     }
@@ -222,14 +255,12 @@ void pel_scene_save_soon(struct pel_scene *scene)
     }
 }
 
-void pel_scene_keep(struct pel_scene *scene, double time_s,
-                    const Pelagos__Patch *patch)
+/* The journal begins anew where it should: with the state as it is, which has
+ * every edit that was answered. */
+static void turn_journal(void *user)
 {
-    if (!scene->journal) {
-        return;
-    }
-    pel_journal_add(scene->journal, time_s, patch, scene->state);
-    if (pel_journal_is_full(scene->journal)) {
+    struct pel_scene *scene = user;
+    if (scene->journal && pel_journal_is_full(scene->journal)) {
         Pelagos__State *copy;
         pel_journal_turn(scene->journal, kept_state(scene, &copy));
         if (copy) {
@@ -238,15 +269,53 @@ void pel_scene_keep(struct pel_scene *scene, double time_s,
     }
 }
 
-void pel_scene_begin_keeping(struct pel_scene *scene, const char *path,
-                             bool sealed, bool loaded)
+/* Who is silent is found out again after a start. */
+static bool says_sources_only(const Pelagos__Patch *patch)
 {
+    return patch && patch->n_remove == 0 && patch->state &&
+           patch->state->sources &&
+           protobuf_c_message_get_packed_size(&patch->state->base) ==
+               2 + protobuf_c_message_get_packed_size(
+                       &patch->state->sources->base);
+}
+
+enum pel_err pel_scene_keep(struct pel_scene *scene, double time_s,
+                            const Pelagos__Patch *patch,
+                            const Pelagos__State *state,
+                            struct pel_fault *fault)
+{
+    if (!scene->journal ||
+        pel_journal_add(scene->journal, time_s, patch, state)) {
+        return PEL_OK;
+    }
+    if (scene->journal_goes_on || says_sources_only(patch)) {
+        return PEL_OK;
+    }
+    char why[400];
+    turn_journal(scene);
+    return pel_fault_set(fault, PEL_ERR_FULL, "the edit cannot be kept: %.200s",
+                         pel_journal_trouble(scene->journal, why, sizeof why)
+                             ? why
+                             : "the disk is full");
+}
+
+void pel_scene_kept(struct pel_scene *scene)
+{
+    turn_journal(scene);
+}
+
+void pel_scene_begin_keeping(struct pel_scene *scene,
+                             const struct pel_scene_options *options,
+                             const struct pel_loaded *loaded)
+{
+    const char *path = options->state_path;
     Pelagos__State *copy;
     scene->saver = pel_worker_create("state file");
+    scene->journal_goes_on = options->journal_goes_on;
     bool saved_now = save_now(scene) == PEL_OK;
-    if (sealed) {
+    if (options->sealed) {
         scene->sealed.on = true;
-        scene->sealed.loaded = loaded ? g_strdup(path) : NULL;
+        scene->sealed.loaded = loaded->any ? g_strdup(path) : NULL;
         if (saved_now) {
             pel_journal_remove(path); /* the file has it now */
         }
@@ -255,10 +324,60 @@ void pel_scene_begin_keeping(struct pel_scene *scene, const char *path,
     if (!saved_now) {
         pel_scene_save_soon(scene);
     }
-    scene->journal =
-        pel_journal_create(path, kept_state(scene, &copy), scene->saver);
+    const struct pel_journal_cares cares = { options->journal_goes_on,
+                                             turn_journal, scene };
+    scene->journal = pel_journal_create(path, pel_store_lineage(scene->store),
+                                        kept_state(scene, &copy),
+                                        &loaded->journal, &cares, scene->saver);
     if (copy) {
         pelagos__state__free_unpacked(copy, NULL);
+    }
+}
+
+bool pel_scene_volatile(const struct pel_scene *scene)
+{
+    return pel_journal_lacks(scene->journal);
+}
+
+/* --- what is wrong -------------------------------------------------------- */
+
+static void add(struct pel_troubles *out, const char *what, const char *format,
+                ...) G_GNUC_PRINTF(3, 4);
+
+static void add(struct pel_troubles *out, const char *what, const char *format,
+                ...)
+{
+    struct pel_trouble *one = &out->items[out->count++];
+    va_list args;
+    va_start(args, format);
+    one->what = what;
+    g_vsnprintf(one->words, sizeof one->words, format, args);
+    va_end(args);
+}
+
+void pel_scene_troubles(const struct pel_scene *scene, struct pel_troubles *out)
+{
+    char why[400];
+    out->count = 0;
+    if (pel_journal_trouble(scene->journal, why, sizeof why)) {
+        add(out, "journal", "%s", why);
+    }
+    if (scene->failed_saves > scene->told_saves) {
+        add(out, "state", "the state file cannot be written: %s",
+            scene->save_why);
+    }
+    for (size_t i = 0; i < scene->loss_count; i++) {
+        const struct pel_loss *loss = &scene->losses[i];
+        /* Whoever has looked at the file moves it away. */
+        if (!loss->kept) {
+            add(out, loss->what, "the %s was damaged at the start: %s",
+                loss->what, loss->words);
+        } else if (access(loss->kept, F_OK) == 0) {
+            add(out, loss->what,
+                "the %s was damaged at the start: %s; it is kept as %s, until "
+                "you move that away",
+                loss->what, loss->words, loss->kept);
+        }
     }
 }
 

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -20,6 +21,7 @@
 
 #define MIB 1048576.0
 #define MAX_NUMBER 999999999u
+#define MOST_CLOSED 500 /* files, however short */
 
 struct pel_record {
     struct pel_scene *scene;
@@ -29,7 +31,9 @@ struct pel_record {
     char *recording; /* what its segments have in common */
     uint32_t segment;
     unsigned keep, next_number; /* of PATH.NNNNNN */
+    double keep_days;           /* 0: however old */
     int fd;                     /* -1: nothing is written at present */
+    struct pel_log_writer writer;
     double limit;
     uint64_t size, head_size; /* bytes that are whole entries; of the first */
     uint64_t entries, lost, begun, removed;
@@ -59,11 +63,16 @@ static void pause_recording(struct pel_record *record, const char *why)
  * process is killed the next moment. */
 static bool put(struct pel_record *record, const uint8_t *data, size_t size)
 {
-    if (!pel_file_write(record->fd, data, size)) {
-        pause_recording(record, strerror(errno));
+    size_t framed_size;
+    uint8_t *framed = pel_log_frame(&record->writer, data, size, &framed_size);
+    bool good = pel_file_write(record->fd, framed, framed_size);
+    int why = errno;
+    free(framed);
+    if (!good) {
+        pause_recording(record, strerror(why));
         return false;
     }
-    record->size += size;
+    record->size += framed_size;
     return true;
 }
 
@@ -113,24 +122,35 @@ static unsigned number_of(const char *name, const char *base)
     return (unsigned)strtoul(digits, NULL, 10);
 }
 
+/* A closed segment. */
+struct closed {
+    unsigned number;
+    double bytes;
+    time_t ended;
+};
+
 static int rising(const void *a, const void *b)
 {
-    unsigned x = *(const unsigned *)a, y = *(const unsigned *)b;
-    return (x > y) - (x < y);
+    const struct closed *x = a, *y = b;
+    return (x->number > y->number) - (x->number < y->number);
 }
 
-/* Numbers of the closed segments that are there, rising. */
-static GArray *numbers(const struct pel_record *record)
+/* The closed segments that are there, by rising numbers. */
+static GArray *closed_ones(const struct pel_record *record)
 {
-    GArray *found = g_array_new(FALSE, FALSE, sizeof(unsigned));
+    GArray *found = g_array_new(FALSE, FALSE, sizeof(struct closed));
     g_autofree char *folder = g_path_get_dirname(record->path);
     g_autofree char *base = g_path_get_basename(record->path);
     GDir *dir = g_dir_open(folder, 0, NULL);
     const char *name;
     while (dir && (name = g_dir_read_name(dir))) {
-        unsigned number = number_of(name, base);
-        if (number > 0) {
-            g_array_append_val(found, number);
+        struct closed one = { .number = number_of(name, base) };
+        g_autofree char *path = g_build_filename(folder, name, NULL);
+        struct stat is;
+        if (one.number > 0 && lstat(path, &is) == 0) {
+            one.bytes = (double)is.st_size;
+            one.ended = is.st_mtime;
+            g_array_append_val(found, one);
         }
     }
     if (dir) {
@@ -140,20 +160,64 @@ static GArray *numbers(const struct pel_record *record)
     return found;
 }
 
-static void remove_oldest(struct pel_record *record)
+static void remove_one(struct pel_record *record, GArray *found, unsigned i)
 {
-    GArray *found = numbers(record);
-    for (unsigned i = 0; i + record->keep <= found->len; i++) {
-        g_autofree char *name =
-            numbered(record, g_array_index(found, unsigned, i));
-        if (unlink(name) == 0) {
-            record->removed++;
-        } else {
-            static struct pel_log_limit limit;
-            pel_log_limited(&limit, PEL_LOG_WARNING, "REC-006",
-                            "%s, an old segment, could not be removed: %s",
-                            name, strerror(errno));
+    g_autofree char *name =
+        numbered(record, g_array_index(found, struct closed, i).number);
+    if (unlink(name) == 0) {
+        record->removed++;
+    } else {
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_WARNING, "REC-006",
+                        "%s, an old segment, could not be removed: %s", name,
+                        strerror(errno));
+    }
+    g_array_remove_index(found, i);
+}
+
+/* How much of a full segment it is, 0 to 1. */
+static double share_of(const struct pel_record *record, const GArray *found,
+                       unsigned i)
+{
+    return fmin(g_array_index(found, struct closed, i).bytes / record->limit,
+                1);
+}
+
+static unsigned shortest(const GArray *found)
+{
+    unsigned least = 0;
+    for (unsigned i = 1; i < found->len; i++) {
+        if (g_array_index(found, struct closed, i).bytes <
+            g_array_index(found, struct closed, least).bytes) {
+            least = i;
         }
+    }
+    return least;
+}
+
+/* By bytes: the oldest goes when what is left is as many full segments as are
+ * to be kept, so that a short one, as a crash leaves it, makes nobody go. By
+ * age, where that is bounded. Of too many files the shortest goes. */
+static void remove_old(struct pel_record *record)
+{
+    GArray *found = closed_ones(record);
+    double sum = 1; /* the one that is written */
+    time_t from = time(NULL) - (time_t)(86400 * record->keep_days);
+    for (unsigned i = 0; i < found->len; i++) {
+        sum += share_of(record, found, i);
+    }
+    while (found->len > 0) {
+        double share = share_of(record, found, 0);
+        bool old = record->keep_days > 0 &&
+                   g_array_index(found, struct closed, 0).ended < from;
+        if (!old && sum - share < record->keep) {
+            break;
+        }
+        sum -= share;
+        remove_one(record, found, 0);
+    }
+    while (found->len > MOST_CLOSED) {
+        remove_one(record, found, shortest(found));
     }
     g_array_free(found, TRUE);
 }
@@ -180,16 +244,23 @@ static uint8_t *pack_head(const struct pel_record *record,
 }
 
 static bool write_head(const struct pel_record *record, int fd,
-                       const Pelagos__State *state, uint64_t *total)
+                       const Pelagos__State *state,
+                       struct pel_log_writer *writer, uint64_t *total)
 {
-    size_t size;
+    size_t size, framed_size;
+    uint8_t first[PEL_LOG_BEGIN_SIZE];
     uint8_t *head = pack_head(record, state, &size);
     bool good = size <= PEL_LOG_MAX_ENTRY;
+    pel_log_begin(writer, first);
+    uint8_t *framed = pel_log_frame(writer, head, size, &framed_size);
     errno = EFBIG;
-    good = good && pel_file_write(fd, PEL_LOG_MAGIC, PEL_LOG_MAGIC_SIZE);
-    good = good && pel_file_write(fd, head, size);
-    *total = PEL_LOG_MAGIC_SIZE + size;
+    good = good && pel_file_write(fd, first, sizeof first);
+    good = good && pel_file_write(fd, framed, framed_size);
+    int why = errno;
+    *total = sizeof first + framed_size;
+    free(framed);
     free(head);
+    errno = why;
     return good;
 }
 
@@ -251,8 +322,10 @@ static bool begin_segment(struct pel_record *record, uint32_t segment)
     const Pelagos__State *state = begin_state(record);
     uint32_t before = record->segment;
     uint64_t size;
+    struct pel_log_writer writer;
     record->segment = segment;
-    if (!write_head(record, fd, state, &size) || !exchange(record, name)) {
+    if (!write_head(record, fd, state, &writer, &size) ||
+        !exchange(record, name)) {
         int why = errno;
         record->segment = before;
         close(fd);
@@ -264,12 +337,13 @@ static bool begin_segment(struct pel_record *record, uint32_t segment)
         close(record->fd);
     }
     record->fd = fd;
+    record->writer = writer;
     record->size = record->head_size = size;
     record->step_s = state->clock->time;
     record->waits = false;
     record->begun++;
     record->entries++;
-    remove_oldest(record);
+    remove_old(record);
     return true;
 }
 
@@ -400,6 +474,13 @@ static void end_sealed(struct pel_record *record)
 
 /* --- life ----------------------------------------------------------------- */
 
+/* Or the beginning of one. */
+static bool is_log(const char *bytes, size_t size)
+{
+    return memcmp(bytes, PEL_LOG_MAGIC, size) == 0 ||
+           memcmp(bytes, PEL_LOG_MAGIC_BEFORE, size) == 0;
+}
+
 /* What is at PATH gets a number: only a log, and none that another daemon is
  * writing, which has it locked. */
 static enum pel_err check_place(const char *path, struct pel_fault *fault)
@@ -422,7 +503,7 @@ static enum pel_err check_place(const char *path, struct pel_fault *fault)
                              "it, or name another file",
                              path);
     }
-    return size > 0 && memcmp(magic, PEL_LOG_MAGIC, (size_t)size) != 0
+    return size > 0 && !is_log(magic, (size_t)size)
                ? pel_fault_set(fault, PEL_ERR_INVALID,
                                "--record: %.160s is no log of commands; name "
                                "another file",
@@ -445,11 +526,14 @@ enum pel_err pel_record_create(const struct pel_record_options *o,
     record->wave_count = o->wave_count;
     record->limit = o->segment_mib * MIB;
     record->keep = o->keep;
+    record->keep_days = o->keep_days;
     record->pause_ns = (int64_t)(o->again_s * 1e9);
     record->fd = -1;
-    GArray *found = numbers(record);
+    GArray *found = closed_ones(record);
     record->next_number =
-        found->len > 0 ? g_array_index(found, unsigned, found->len - 1) + 1 : 1;
+        found->len > 0
+            ? g_array_index(found, struct closed, found->len - 1).number + 1
+            : 1;
     g_array_free(found, TRUE);
     enum pel_err err = check_place(o->path, fault);
     if (pel_trial()) {

@@ -25,7 +25,7 @@ static enum pel_err record(struct fixture *f, double segment_mib, unsigned keep)
 {
     struct pel_fault fault;
     struct pel_record_options options = {
-        f->path, segment_mib, keep, again_s, "test 1", "a device", 20, NULL,
+        f->path, segment_mib, keep, again_s, "test 1", "a device", 20, NULL, 0,
     };
     return pel_record_create(&options, f->scene, &f->record, &fault);
 }
@@ -268,7 +268,7 @@ static enum pel_err second(Pelagos__LogEntry *entry)
     uint8_t *one = pel_wire_pack(&first.base, &a);
     uint8_t *two = pel_wire_pack(&entry->base, &b);
     uint8_t *all = malloc(8 + a + b);
-    memcpy(all, PEL_LOG_MAGIC, 8);
+    memcpy(all, PEL_LOG_MAGIC_BEFORE, 8);
     memcpy(all + 8, one, a);
     memcpy(all + 8 + a, two, b);
     Pelagos__LogEntry *read;
@@ -347,12 +347,53 @@ static void an_earlier_log_is_kept(void **state)
     pel_record_destroy(f.record);
     assert_int_equal(record(&f, 1, 3), PEL_OK);
     g_autofree char *numbers = closed_segments(&f);
-    assert_string_equal(numbers, "4 5");
+    assert_string_equal(numbers, "1 2 3 4 5"); /* of seconds each */
     g_autofree char *kept = g_strconcat(f.path, ".000005", NULL);
     assert_int_equal(count(kept, &reader, PEL_OK), 2); /* head and end */
     assert_int_equal(count(f.path, &reader, PEL_OK), 1);
     assert_true(g_file_test(other, G_FILE_TEST_EXISTS));
     assert_true(g_file_test(short_one, G_FILE_TEST_EXISTS));
+    stop(&f);
+}
+
+/* Starts of a daemon that crashes make no long segment go; long ones do, and
+ * age. */
+static void short_segments_make_none_go(void **state)
+{
+    (void)state;
+    struct fixture f;
+    static const char *const wanted[] = { "2 3", "3 4" };
+    start_small(&f, 0.0625, 3);
+    pel_record_destroy(f.record);
+    for (unsigned i = 1; i <= 2; i++) {
+        g_autofree char *name = g_strdup_printf("%s.%06u", f.path, i);
+        g_autofree char *full = g_malloc0(70000);
+        assert_true(g_file_set_contents(name, full, 70000, NULL));
+    }
+    for (int i = 0; i < 40; i++) {
+        assert_int_equal(record(&f, 0.0625, 3), PEL_OK);
+        pel_record_destroy(f.record);
+    }
+    g_autofree char *all = closed_segments(&f);
+    assert_int_equal(strncmp(all, "1 2 3 4 5 ", 10), 0);
+    for (int i = 0; i < 50; i++) {
+        g_autofree char *name = g_strdup_printf("%s.%06d", f.path, i);
+        g_unlink(name);
+    }
+    g_unlink(f.path);
+    for (unsigned i = 0; i < 2; i++) {
+        for (unsigned n = 1; n <= 3 + i; n++) {
+            g_autofree char *name = g_strdup_printf("%s.%06u", f.path, n);
+            g_autofree char *full = g_malloc0(70000);
+            assert_true(g_file_set_contents(name, full, 70000, NULL));
+        }
+        assert_int_equal(record(&f, 0.0625, 3), PEL_OK);
+        pel_record_destroy(f.record);
+        g_unlink(f.path);
+        g_autofree char *left = closed_segments(&f);
+        assert_string_equal(left, wanted[i]);
+    }
+    f.record = NULL;
     stop(&f);
 }
 
@@ -576,6 +617,7 @@ int main(void)
         cmocka_unit_test(cut_and_changed_logs),
         cmocka_unit_test(entries_that_cannot_be),
         cmocka_unit_test(an_earlier_log_is_kept),
+        cmocka_unit_test(short_segments_make_none_go),
         cmocka_unit_test(what_is_no_log_stays),
         cmocka_unit_test(nothing_is_lost_at_a_turn),
         cmocka_unit_test(a_bounded_number_is_kept),

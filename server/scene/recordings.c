@@ -9,7 +9,6 @@
 
 #include "base/file.h"
 #include "pelog.h"
-#include "wire.h"
 
 static void segment_finish(struct pel_recording_segment *s)
 {
@@ -44,20 +43,12 @@ void pel_recordings_finish(struct pel_recordings *all)
 /* The first entry of a log; false: the file is none. */
 static bool read_head(int fd, struct pel_recording_segment *out)
 {
-    uint8_t first[PEL_LOG_MAGIC_SIZE + 8];
+    uint8_t first[64];
     struct pel_log_reader reader;
     Pelagos__LogEntry *entry = NULL;
-    size_t offset, length = 0;
     ssize_t got = pread(fd, first, sizeof first, 0);
-    if (got <= PEL_LOG_MAGIC_SIZE || !pel_log_is(first, (size_t)got)) {
-        return false;
-    }
-    (void)pel_wire_next(first + PEL_LOG_MAGIC_SIZE,
-                        (size_t)got - PEL_LOG_MAGIC_SIZE, PEL_LOG_MAX_ENTRY,
-                        &offset, &length);
-    size_t size = PEL_LOG_MAGIC_SIZE + 8 + length;
-    g_autofree uint8_t *bytes =
-        length > PEL_LOG_MAX_ENTRY ? NULL : g_malloc(size);
+    size_t size = got > 0 ? pel_log_head_bytes(first, (size_t)got) : 0;
+    g_autofree uint8_t *bytes = size > 0 ? g_malloc(size) : NULL;
     got = bytes ? pread(fd, bytes, size, 0) : -1;
     if (got < 0 || pel_log_open(&reader, bytes, (size_t)got, NULL) ||
         pel_log_next(&reader, &entry, NULL) || !entry) {
@@ -98,24 +89,19 @@ static enum pel_err find_end(const struct pel_recording_segment *s, double *out,
                              struct pel_fault *fault)
 {
     char *bytes = NULL;
-    size_t size = 0, at = PEL_LOG_MAGIC_SIZE, last = 0, last_size = 0;
-    size_t offset, length;
+    struct pel_log_reader reader;
+    const uint8_t *last = NULL;
+    size_t size = 0, last_size = 0;
     enum pel_err err = pel_file_read(s->path, PEL_RECORDING_SEGMENT_BYTES,
                                      &bytes, &size, fault);
     if (err) {
         return err;
     }
-    while (at < size && pel_wire_next((const uint8_t *)bytes + at, size - at,
-                                      PEL_LOG_MAX_ENTRY, &offset,
-                                      &length) == PEL_WIRE_MESSAGE) {
-        last = at + offset;
-        last_size = length;
-        at += offset + length;
+    err = pel_log_open(&reader, bytes, size, fault);
+    while (!err && pel_log_skip(&reader, &last, &last_size)) {
     }
     Pelagos__LogEntry *entry =
-        last > 0 ? pelagos__log_entry__unpack(NULL, last_size,
-                                              (const uint8_t *)bytes + last)
-                 : NULL;
+        last ? pelagos__log_entry__unpack(NULL, last_size, last) : NULL;
     if (entry && entry->has_time) {
         *out = entry->time;
     }
@@ -123,7 +109,7 @@ static enum pel_err find_end(const struct pel_recording_segment *s, double *out,
         pelagos__log_entry__free_unpacked(entry, NULL);
     }
     free(bytes);
-    return PEL_OK;
+    return err;
 }
 
 /* --- recordings ----------------------------------------------------------- */
@@ -160,7 +146,8 @@ static enum pel_err find_segments(const char *directory, GArray *found,
             *more = true;
             break;
         }
-        if (!g_str_has_suffix(name, ".new") && look_at(path, &s)) {
+        if (!g_str_has_suffix(name, ".new") &&
+            !pel_file_inside(directory, path, NULL) && look_at(path, &s)) {
             g_array_append_val(found, s);
         }
     }
@@ -248,7 +235,7 @@ static enum pel_err why_not(const char *directory, const char *name,
                             struct pel_fault *fault)
 {
     g_autofree char *path = g_build_filename(directory, name, NULL);
-    uint8_t first[PEL_LOG_MAGIC_SIZE];
+    uint8_t first[PEL_LOG_BEGIN_SIZE];
     struct pel_log_reader reader;
     struct pel_fault why;
     int fd;
@@ -256,6 +243,10 @@ static enum pel_err why_not(const char *directory, const char *name,
     if (pel_file_open(path, &fd, NULL)) {
         return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
                              "there is no recording \"%.80s\"", name);
+    }
+    if (pel_file_inside(directory, path, fault)) {
+        close(fd);
+        return PEL_ERR_INVALID;
     }
     ssize_t got = pread(fd, first, sizeof first, 0);
     close(fd);

@@ -139,7 +139,7 @@ const Pelagos__State *pel_scene_listen(struct pel_scene *scene,
 static void notify(struct pel_scene *scene, double time_s,
                    const Pelagos__Patch *patch)
 {
-    pel_scene_keep(scene, time_s, patch);
+    pel_scene_kept(scene);
     if (scene->listener) {
         scene->listener(scene->listener_user, time_s, patch);
     }
@@ -298,9 +298,11 @@ static void set_clock(struct pel_scene *scene, const Pelagos__Clock *to,
     }
 }
 
-/* Takes `state`, which is tested, over or leaves it to the caller. `ready`
- * (NULL allowed): what was prepared for it. */
+/* Takes `state`, which is tested, over or leaves it to the caller. `patch`, of
+ * time_s, is kept before it takes effect; NULL: the state is a beginning.
+ * `ready` (NULL allowed): what was prepared for it. */
 static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
+                           const Pelagos__Patch *patch, double time_s,
                            const struct pel_sailing *const *going,
                            const struct pel_resources *ready,
                            struct pel_fault *fault)
@@ -311,6 +313,11 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
         pel_resources_get(state, &scene->means, &scene->files,
                           fits ? ready : &scene->has, &next, fault);
     if (err) {
+        return err;
+    }
+    err = patch ? pel_scene_keep(scene, time_s, patch, state, fault) : PEL_OK;
+    if (err) {
+        pel_resources_finish(&next);
         return err;
     }
     const struct pel_snapshot *snapshot = pel_snapshot_build_going(
@@ -460,7 +467,7 @@ enum pel_err pel_scene_commit(struct pel_scene *scene, Pelagos__State *next,
     ships_going_on(scene, next, going);
     enum pel_err err = pel_scene_refuse_led(scene, fault);
     if (!err) {
-        err = commit(scene, next, going, ready, fault);
+        err = commit(scene, next, patch, time_s, going, ready, fault);
     }
     if (err) {
         pelagos__state__free_unpacked(next, NULL);
@@ -559,8 +566,10 @@ static double longest_step(const struct pel_scene *scene)
                                                    : MAX_STEP_S;
 }
 
-/* False: held at a moment on the way. */
-static bool go_to(struct pel_scene *scene, double time_s)
+/* Or it is held at a moment on the way. FULL: the clock is stepped, and the
+ * step cannot be kept. */
+static enum pel_err go_to(struct pel_scene *scene, double time_s,
+                          struct pel_fault *fault)
 {
     enum pel_clock_mode mode = scene->clock.mode;
     pel_scene_act_until(scene, time_s);
@@ -569,13 +578,17 @@ static bool go_to(struct pel_scene *scene, double time_s)
         scene->held.mode = mode;
         scene->held.at_s = scene->clock.base_s;
         scene->held.to_s = time_s;
-        return false;
+        return PEL_OK;
+    }
+    enum pel_err err = pel_scene_keep(scene, time_s, NULL, scene->state, fault);
+    if (err && scene->clock.mode == PEL_CLOCK_STEPPED) {
+        return err; /* frames and hosts go on, whatever the disk does */
     }
     scene->clock.base_s = time_s;
     advance_ships(scene, time_s);
     pel_scene_save_soon(scene);
     notify(scene, time_s, NULL);
-    return true;
+    return PEL_OK;
 }
 
 void pel_scene_go_on(struct pel_scene *scene, bool over)
@@ -595,8 +608,11 @@ void pel_scene_go_on(struct pel_scene *scene, bool over)
         err = pel_fault_set(&fault, PEL_ERR_CONFLICT,
                             "the clock was set while the step waited for the "
                             "sea of an exercise's event or of the weather");
-    } else if (!go_to(scene, scene->held.to_s)) {
-        return;
+    } else {
+        err = go_to(scene, scene->held.to_s, &fault);
+        if (scene->held.on) {
+            return;
+        }
     }
     scene->held.done = NULL;
     pel_scene_notify_commit(scene);
@@ -619,8 +635,8 @@ enum pel_err pel_scene_step(struct pel_scene *scene, double seconds,
     if (!(seconds >= 0 && seconds <= most_s)) {
         return refuse_step("step.seconds", seconds, 0, most_s, fault);
     }
-    (void)go_to(scene, fmin(scene->clock.base_s + seconds, PEL_MAX_TIME_S));
-    return PEL_OK;
+    return go_to(scene, fmin(scene->clock.base_s + seconds, PEL_MAX_TIME_S),
+                 fault);
 }
 
 enum pel_err pel_scene_step_to(struct pel_scene *scene, double time_s,
@@ -638,8 +654,7 @@ enum pel_err pel_scene_step_to(struct pel_scene *scene, double time_s,
         return refuse_step("step.until", time_s, scene->clock.base_s, most_s,
                            fault);
     }
-    (void)go_to(scene, time_s);
-    return PEL_OK;
+    return go_to(scene, time_s, fault);
 }
 
 enum pel_err pel_scene_command_step(struct pel_scene *scene,
@@ -695,6 +710,9 @@ static void scene_free(struct pel_scene *scene)
     g_free((char *)scene->files.weather);
     g_free(scene->spectra);
     pel_missing_finish(&scene->missing);
+    for (size_t i = 0; i < scene->loss_count; i++) {
+        g_free(scene->losses[i].kept);
+    }
     pel_store_close(scene->store);
     g_free(scene);
 }
@@ -708,7 +726,7 @@ static enum pel_err begin(struct pel_scene *scene, Pelagos__State *state,
     if (err) {
         return err;
     }
-    err = commit(scene, state, NULL, NULL, &why);
+    err = commit(scene, state, NULL, 0, NULL, NULL, &why);
     for (int i = 0; err && i < PEL_MISSING_COUNT; i++) {
         enum pel_missing_kind kind =
             strcmp(why.path, pel_missing_path(PEL_MISSING_SEABED)) == 0
@@ -716,7 +734,7 @@ static enum pel_err begin(struct pel_scene *scene, Pelagos__State *state,
                 : PEL_MISSING_SPECTRUM;
         if (pel_missing_may(kind, state)) {
             pel_missing_note(&scene->missing, kind, state, &why);
-            err = commit(scene, state, NULL, NULL, &why);
+            err = commit(scene, state, NULL, 0, NULL, NULL, &why);
         }
     }
     if (err && fault) {
@@ -742,7 +760,7 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
 {
     Pelagos__State *state = NULL;
     struct pel_store *store = NULL;
-    bool loaded = false;
+    struct pel_loaded loaded = { 0 };
     *out = NULL;
     enum pel_err err = need_directory("--spectra", options->spectra, fault);
     if (!err) {
@@ -772,6 +790,8 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     }
     struct pel_scene *scene = g_new0(struct pel_scene, 1);
     scene->store = store;
+    scene->loss_count = loaded.loss_count;
+    memcpy(scene->losses, loaded.losses, sizeof scene->losses);
     scene->apart = options->apart;
     scene->means.wave_count =
         options->wave_count > 0 ? options->wave_count : DEFAULT_WAVES;
@@ -799,8 +819,7 @@ enum pel_err pel_scene_create(const struct pel_scene_options *options,
     pel_simclock_set(&scene->clock, (enum pel_clock_mode)state->clock->mode,
                      state->clock->rate, state->clock->time, pel_now_ns());
     if (store) {
-        pel_scene_begin_keeping(scene, options->state_path, options->sealed,
-                                loaded);
+        pel_scene_begin_keeping(scene, options, &loaded);
     }
     *out = scene;
     return PEL_OK;
@@ -819,7 +838,7 @@ enum pel_err pel_scene_begin_anew(struct pel_scene *scene,
         err = pel_sea_settle(state, fault);
     }
     if (!err) {
-        err = commit(scene, state, NULL, NULL, fault);
+        err = commit(scene, state, NULL, 0, NULL, NULL, fault);
     }
     if (err) {
         pelagos__state__free_unpacked(state, NULL);

@@ -31,6 +31,9 @@ struct pel_scene_options {
     /* Of a node of an exercise: what the file keeps is said by
      * pel_scene_keep_sealed alone, and there is no journal. */
     bool sealed;
+    /* Edits that the journal cannot keep take effect all the same; else they
+     * are refused (FULL). */
+    bool journal_goes_on;
 };
 
 /* Loads options->state_path and its journal if it exists (a file that does not
@@ -53,7 +56,8 @@ bool pel_scene_destroy(struct pel_scene *scene);
  * patch gives none), so that what it does not name goes on from where the ship
  * is. A patch of clock.time carries the poses along. A file that the patch
  * names is read here, and its sea is built by who looks at it first: for what
- * names neither, and for tests; else pel_scene_submit. */
+ * names neither, and for tests; else pel_scene_submit. FULL: the disk has no
+ * room to keep it. */
 PEL_CHECK enum pel_err pel_scene_patch(struct pel_scene *scene,
                                        const Pelagos__Patch *patch,
                                        struct pel_fault *fault);
@@ -116,6 +120,23 @@ PEL_CHECK enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
 
 /* What the state file named and was not found at the start; the scene's. */
 struct pel_missing;
+/* What is wrong with keeping the state, now or at the start, each in a sentence
+ * that says what to do. */
+#define PEL_TROUBLES_MOST 4
+struct pel_trouble {
+    const char *what; /* "journal", "state" */
+    char words[640];
+};
+struct pel_troubles {
+    size_t count;
+    struct pel_trouble items[PEL_TROUBLES_MOST];
+};
+void pel_scene_troubles(const struct pel_scene *scene,
+                        struct pel_troubles *out);
+
+/* Whether an edit took effect that no file has: a kill now would lose it. */
+bool pel_scene_volatile(const struct pel_scene *scene);
+
 const struct pel_missing *pel_scene_missing(const struct pel_scene *scene);
 
 /* Whether there is a directory of measured spectra. */

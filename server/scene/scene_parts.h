@@ -16,6 +16,21 @@
 #define PEL_MAX_CALLBACKS 16
 #define PEL_MAX_ACTS 2
 
+/* What a start found damaged. */
+struct pel_loss {
+    const char *what; /* "state", "journal" */
+    char *kept;       /* where the file is kept; NULL: nowhere */
+    char words[480];
+};
+
+/* What a start found. */
+struct pel_loaded {
+    bool any; /* a state, not the default one */
+    struct pel_journal_found journal;
+    size_t loss_count;
+    struct pel_loss losses[2];
+};
+
 struct pel_scene {
     struct pel_store *store; /* NULL: the state is not kept */
     struct pel_missing missing;
@@ -37,9 +52,13 @@ struct pel_scene {
     uint64_t prepared;               /* batches */
     struct pel_worker *saver;        /* of the state file and the journal */
     struct pel_journal *journal;     /* NULL: the state is not kept */
-    guint save_timer;                /* 0: nothing to write */
-    bool saving, save_again;         /* the file is being written; and then */
-    int64_t save_from_ns;            /* not before */
+    bool journal_goes_on;            /* pel_scene_options */
+    char save_why[160];              /* of the last save that failed */
+    size_t loss_count;
+    struct pel_loss losses[2];
+    guint save_timer;        /* 0: nothing to write */
+    bool saving, save_again; /* the file is being written; and then */
+    int64_t save_from_ns;    /* not before */
     uint64_t saves, failed_saves;
     uint64_t told_saves; /* failed ones that are over */
     bool apart;          /* pel_scene_options */
@@ -105,17 +124,24 @@ void pel_scene_notify_commit(struct pel_scene *scene);
  * default one. */
 PEL_CHECK enum pel_err pel_scene_load(struct pel_store *store,
                                       const struct pel_scene_options *options,
-                                      Pelagos__State **out, bool *loaded,
+                                      Pelagos__State **out,
+                                      struct pel_loaded *loaded,
                                       struct pel_fault *fault);
 /* The file is there from the start: one that is missing later was removed, and
  * its journal with it. */
-void pel_scene_begin_keeping(struct pel_scene *scene, const char *path,
-                             bool sealed, bool loaded);
+void pel_scene_begin_keeping(struct pel_scene *scene,
+                             const struct pel_scene_options *options,
+                             const struct pel_loaded *loaded);
 /* False: the last edits are lost. */
 bool pel_scene_end_keeping(struct pel_scene *scene);
-/* Into the journal: a patch, or (NULL) a step, that has taken effect. */
-void pel_scene_keep(struct pel_scene *scene, double time_s,
-                    const Pelagos__Patch *patch);
+/* Into the journal: a patch that leads to `state`, or (NULL) a step, before it
+ * takes effect. FULL: it must not. */
+PEL_CHECK enum pel_err pel_scene_keep(struct pel_scene *scene, double time_s,
+                                      const Pelagos__Patch *patch,
+                                      const Pelagos__State *state,
+                                      struct pel_fault *fault);
+/* After it took effect. */
+void pel_scene_kept(struct pel_scene *scene);
 /* Has the state file written. */
 void pel_scene_save_soon(struct pel_scene *scene);
 

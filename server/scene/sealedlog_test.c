@@ -115,7 +115,7 @@ static struct pel_record *record(double segment_mib)
     struct pel_fault fault;
     struct pel_record *out;
     const struct pel_record_options options = {
-        path, segment_mib, 20, 1000, "test 1", "a device", 20, sealed,
+        path, segment_mib, 20, 1000, "test 1", "a device", 20, sealed, 0,
     };
     if (pel_record_create(&options, scene, &out, &fault)) {
         fail_msg("%s", fault.message);

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/checksum.h"
 #include "base/file.h"
 #include "base/trial.h"
 #include "json.h"
@@ -23,10 +24,15 @@
 #define OLDEST_ASIDE 4
 
 #define VERSION_NAME "stateVersion"
+#define CHECKSUM_NAME "stateChecksum"
+#define LINEAGE_NAME "stateLineage"
+#define DIGITS 8 /* of the checksum */
 #define JSON_SPACE " \t\r\n"
 
 struct pel_store {
     char *path, *temporary, *lock_path;
+    char *lineage;
+    bool knows; /* the lineage is the file's */
     int lock;
 };
 
@@ -126,6 +132,7 @@ enum pel_err pel_store_open(const char *path, struct pel_store **out,
     store->path = g_strdup(path);
     store->temporary = g_strconcat(path, ".new", NULL);
     store->lock_path = g_strconcat(path, ".lock", NULL);
+    store->lineage = g_uuid_string_random();
     enum pel_err err =
         pel_trial() ? try_lock(store, fault) : lock(store, fault);
     if (!err && !pel_trial()) {
@@ -147,6 +154,7 @@ void pel_store_close(struct pel_store *store)
             close(store->lock);
         }
         g_free(store->lock_path);
+        g_free(store->lineage);
         g_free(store->temporary);
         g_free(store->path);
         g_free(store);
@@ -184,11 +192,24 @@ static void make_room(const char *path, const char *suffix)
     }
 }
 
-static char *set_aside(const char *path, const char *suffix)
+/* The same file under another name too, so that it is there until the next one
+ * is written, however soon the process ends. */
+static bool link_to(const char *path, const char *suffix, int number)
+{
+    struct stat one, two;
+    g_autofree char *to = aside_name(path, suffix, number);
+    return link(path, to) == 0 ||
+           (errno == EEXIST && lstat(path, &one) == 0 && lstat(to, &two) == 0 &&
+            one.st_ino == two.st_ino && one.st_dev == two.st_dev) ||
+           (errno != EEXIST && move_to(path, path, suffix, number));
+}
+
+static char *set_aside(const char *path, const char *suffix, bool stays)
 {
     for (int turn = 0; turn < 2; turn++) {
         for (int i = 1; i <= MOST_ASIDE; i++) {
-            if (move_to(path, path, suffix, i)) {
+            if (stays ? link_to(path, suffix, i)
+                      : move_to(path, path, suffix, i)) {
                 return aside_name(path, suffix, i);
             }
         }
@@ -225,6 +246,62 @@ static bool take_version(char *text, uint64_t *version)
     return good;
 }
 
+/* Likewise a member with a text, or nothing: *out is a copy, g_free. False: it
+ * is no text. */
+static bool take_text(char *text, const char *member, char **out)
+{
+    g_autofree char *name = g_strdup_printf("\"%s\"", member);
+    char *at = text + strspn(text, JSON_SPACE);
+    *out = NULL;
+    if (*at != '{') {
+        return true;
+    }
+    char *from = at + 1 + strspn(at + 1, JSON_SPACE);
+    if (strncmp(from, name, strlen(name)) != 0) {
+        return true;
+    }
+    char *value = from + strlen(name);
+    value += strspn(value, JSON_SPACE);
+    value += *value == ':';
+    value += strspn(value, JSON_SPACE);
+    size_t length = *value == '"' ? strcspn(value + 1, "\"\\") : 0;
+    if (*value != '"' || value[1 + length] != '"') {
+        return false;
+    }
+    *out = g_strndup(value + 1, length);
+    char *end = value + length + 2;
+    end += strspn(end, JSON_SPACE);
+    end += *end == ',';
+    memset(from, ' ', (size_t)(end - from));
+    return true;
+}
+
+/* What the file's checksum says of it; it has eight zeroes for itself. */
+enum checked { UNSAID, GOOD, BAD };
+
+static enum checked check_sum(const char *text, size_t length)
+{
+    static const char name[] = "\"" CHECKSUM_NAME "\"";
+    static const char zeroes[] = "00000000";
+    /* It is among the first members; the name in a text is behind them. */
+    const char *at = g_strstr_len(text, (gssize)MIN(length, 256), name);
+    if (!at) {
+        return UNSAID;
+    }
+    at += sizeof name - 1;
+    at += strspn(at, JSON_SPACE ":");
+    const char *digits = at + (*at == '"');
+    size_t before = (size_t)(digits - text);
+    if (*at != '"' || length - before < DIGITS) {
+        return BAD;
+    }
+    uint32_t sum = pel_crc32c(0, text, before);
+    sum = pel_crc32c(sum, zeroes, DIGITS);
+    sum = pel_crc32c(sum, digits + DIGITS, length - before - DIGITS);
+    g_autofree char *wanted = g_strdup_printf("%08x", sum);
+    return memcmp(digits, wanted, DIGITS) == 0 ? GOOD : BAD;
+}
+
 static enum pel_err newer(const char *path, uint64_t version,
                           struct pel_fault *fault)
 {
@@ -253,6 +330,35 @@ static enum pel_err read_state(const char *text, size_t length,
     return err;
 }
 
+static enum pel_err damaged(struct pel_fault *fault)
+{
+    return pel_fault_set(fault, PEL_ERR_INVALID,
+                         "its checksum does not fit: it is damaged, or was "
+                         "changed by hand, and then its line " CHECKSUM_NAME
+                         " has to be removed");
+}
+
+/* Without the members that are the file's. */
+static enum pel_err take_state(struct pel_store *store, char *text,
+                               size_t length, Pelagos__State **out,
+                               struct pel_fault *fault)
+{
+    g_autofree char *sum = NULL, *lineage = NULL;
+    if (!take_text(text, CHECKSUM_NAME, &sum) ||
+        !take_text(text, LINEAGE_NAME, &lineage)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             CHECKSUM_NAME " and " LINEAGE_NAME
+                                           " must be texts");
+    }
+    enum pel_err err = read_state(text, length, out, fault);
+    if (!err && lineage && *lineage) {
+        g_free(store->lineage);
+        store->lineage = g_steal_pointer(&lineage);
+        store->knows = true;
+    }
+    return err;
+}
+
 enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
                             char **aside, struct pel_fault *fault)
 {
@@ -268,21 +374,23 @@ enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
         return PEL_ERR_IO; /* a directory, a FIFO, no permission */
     }
     uint64_t version = 1;
+    enum checked sum = err ? UNSAID : check_sum(text, length);
     bool good = err || take_version(text, &version);
-    if (version > PEL_STATE_VERSION) {
+    if (version > PEL_STATE_VERSION && sum != BAD) {
         free(text);
         return newer(store->path, version, fault);
     }
     if (!err) {
-        err = good ? read_state(text, length, out, fault)
-                   : pel_fault_set(fault, PEL_ERR_INVALID,
-                                   VERSION_NAME " must be a number from 1");
+        err = sum == BAD ? damaged(fault)
+              : good     ? take_state(store, text, length, out, fault)
+                         : pel_fault_set(fault, PEL_ERR_INVALID,
+                                         VERSION_NAME " must be a number from 1");
     }
     free(text);
     if (err && pel_trial()) {
         *aside = g_strconcat(store->path, ".bad", NULL); /* so it would be */
     } else if (err) {
-        *aside = set_aside(store->path, ".bad");
+        *aside = set_aside(store->path, ".bad", true);
         if (!*aside) {
             return pel_fault_set(fault, PEL_ERR_IO,
                                  "--state: %.100s does not load and cannot be "
@@ -297,8 +405,19 @@ enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
 
 char *pel_store_set_aside(struct pel_store *store)
 {
-    return access(store->path, F_OK) == 0 ? set_aside(store->path, ".aside")
-                                          : NULL;
+    return access(store->path, F_OK) == 0
+               ? set_aside(store->path, ".aside", false)
+               : NULL;
+}
+
+const char *pel_store_lineage(const struct pel_store *store)
+{
+    return store->lineage;
+}
+
+const char *pel_store_loaded_lineage(const struct pel_store *store)
+{
+    return store->knows ? store->lineage : NULL;
 }
 
 /* --- saving --------------------------------------------------------------- */
@@ -315,6 +434,29 @@ static void sync_directory(const char *path)
     }
 }
 
+/* The file's own members, of which the checksum is the second, and the state;
+ * g_free. */
+static char *whole_text(const struct pel_store *store,
+                        const Pelagos__State *state, size_t *size)
+{
+    char *json = pel_json_from_message(&state->base, true);
+    GString *out = g_string_new(NULL);
+    g_string_append_printf(out,
+                           "{\n  \"" VERSION_NAME "\": %d,\n  "
+                           "\"" CHECKSUM_NAME "\": \"",
+                           PEL_STATE_VERSION);
+    size_t at = out->len;
+    g_string_append_printf(out,
+                           "00000000\",\n  \"" LINEAGE_NAME "\": \"%s\",%s\n",
+                           store->lineage, json + 1);
+    free(json);
+    g_autofree char *sum =
+        g_strdup_printf("%08x", pel_crc32c(0, out->str, out->len));
+    memcpy(out->str + at, sum, DIGITS);
+    *size = out->len;
+    return g_string_free(out, FALSE);
+}
+
 enum pel_err pel_store_save(struct pel_store *store,
                             const Pelagos__State *state,
                             struct pel_fault *fault)
@@ -325,16 +467,12 @@ enum pel_err pel_store_save(struct pel_store *store,
     if (fd < 0) {
         return system_fault("create", store->temporary, fault);
     }
-    char *text = pel_json_from_message(&state->base, true);
-    char head[64];
-    g_snprintf(head, sizeof head, "{\n  \"" VERSION_NAME "\": %d,",
-               PEL_STATE_VERSION);
-    bool good = pel_file_write(fd, head, strlen(head)) &&
-                pel_file_write(fd, text + 1, strlen(text + 1)) &&
-                pel_file_write(fd, "\n", 1) && fsync(fd) == 0;
+    size_t size;
+    char *text = whole_text(store, state, &size);
+    bool good = pel_file_write(fd, text, size) && fsync(fd) == 0;
     int why = errno;
     good = close(fd) == 0 && good;
-    free(text);
+    g_free(text);
     if (!good || rename(store->temporary, store->path) != 0) {
         errno = good ? errno : why;
         system_fault("write", store->path, fault);

@@ -9,8 +9,10 @@
 /* The file's first member, stateVersion: one more where a program from before
  * could not read what this one writes, or would read it wrongly. A new field
  * needs no new version: a daemon that does not know it keeps the file aside
- * (PATH.bad). */
-#define PEL_STATE_VERSION 1
+ * (PATH.bad). Version 2 has stateChecksum, CRC-32C of the file with eight
+ * zeroes for it, which may be left out, and stateLineage, which a journal says
+ * too that belongs to the file. */
+#define PEL_STATE_VERSION 2
 
 struct pel_store;
 
@@ -22,9 +24,9 @@ void pel_store_close(struct pel_store *store); /* NULL allowed */
 
 /* Reads, fills and tests the file. NOT_FOUND: there is none. IO: it cannot be
  * read or put aside, or is of a newer version, and then stays as it is. Any
- * other error: it does not load; it lies now in *aside (PATH.bad, or PATH.bad.2
- * to .9 where there are older ones, of which the four oldest and the newest
- * stay), which is the caller's, g_free. */
+ * other error: it does not load; it lies in *aside too now (PATH.bad, or
+ * PATH.bad.2 to .9 where there are older ones, of which the four oldest and the
+ * newest stay), which is the caller's, g_free. */
 PEL_CHECK enum pel_err pel_store_load(struct pel_store *store,
                                       Pelagos__State **out, char **aside,
                                       struct pel_fault *fault);
@@ -32,6 +34,11 @@ PEL_CHECK enum pel_err pel_store_load(struct pel_store *store,
 /* The file lies in *aside now (PATH.aside, numbered as the others), g_free;
  * NULL: it could not be moved, or there is none. */
 char *pel_store_set_aside(struct pel_store *store);
+
+/* What the file and its journal have in common: as it was loaded, or else new;
+ * never NULL. And as it was loaded; NULL: not known. */
+const char *pel_store_lineage(const struct pel_store *store);
+const char *pel_store_loaded_lineage(const struct pel_store *store);
 
 /* Writes PATH by temporary file, fsync, rename and fsync of the directory:
  * after a crash either the old or the new state is there. */

@@ -1364,10 +1364,10 @@ class Optics(Record):
 class Error(Record):
     """Error."""
     #: One of MALFORMED, NOT_FOUND, OUT_OF_RANGE, INVALID, CONFLICT, BUSY,
-    #: INTERNAL, UNAUTHORIZED, FORBIDDEN.
+    #: INTERNAL, UNAUTHORIZED, FORBIDDEN, IO.
     code: str | None = _field(None,
         words="MALFORMED NOT_FOUND OUT_OF_RANGE INVALID CONFLICT BUSY "
-        "INTERNAL UNAUTHORIZED FORBIDDEN")
+        "INTERNAL UNAUTHORIZED FORBIDDEN IO")
     #: Path of the field at fault, if one is.
     path: str | None = _field(None)
     #: The offending value as text.
