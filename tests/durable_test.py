@@ -433,7 +433,7 @@ class Durable(unittest.TestCase):
                             "SCN-012" in log) == ("SCN-013" in log)
                     until("all is over", well)
                     log = daemon.log()
-                    for what in ("SCN-003", "SCN-014", "SCN-012", "SCN-033",
+                    for what in ("SCN-003", "SCN-014", "SCN-012", "SCN-034",
                                  "REC-002"):
                         self.assertLessEqual(log.count(what), 1, log)
                     daemon.stop(signal.SIGKILL)

@@ -642,7 +642,7 @@ static bool put(struct pel_journal *j, const uint8_t *data, size_t size)
         j->refused++;
     }
     if (first && j->why != 0) {
-        pel_error("SCN-033", "what was reserved of %s is used up: edits are %s",
+        pel_error("SCN-034", "what was reserved of %s is used up: edits are %s",
                   j->path, j->cares.goes_on ? "not kept" : "refused");
     }
     if (first) {
