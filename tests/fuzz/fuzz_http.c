@@ -92,7 +92,7 @@ static void carry_out(struct pel_http_answer *answer)
     if (err) {
         pel_http_answer_refused(&told, &fault);
     } else {
-        pel_http_answer_state(&context, &told);
+        pel_http_answer_state(&context, PEL_ROLE_INSTRUCT, &told);
     }
     fuzz_demand(told.status >= 200 && told.status < 500 && told.size > 0);
     pel_http_answer_finish(&told);
