@@ -486,6 +486,9 @@ class Interfaces(Case):
         for name in ("..%2Fstate", "a.b", "x" * 65):
             answer = daemon.request("PUT", f"/v1/exercises/{name}", {})
             self.assertEqual(answer.status, 400, name)
+        # A command that is refused leaves the file.
+        self.do(daemon, "DELETE", name="mine", time=-1, status=400)
+        self.assertEqual(daemon.get("/v1/exercises/mine").status, 200)
         self.assertEqual(daemon.request("DELETE",
                                         "/v1/exercises/mine").status, 204)
         self.assertEqual(daemon.get("/v1/exercises/mine").status, 404)

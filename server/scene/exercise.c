@@ -147,6 +147,16 @@ static enum pel_err need_exercise(const Pelagos__ExerciseCommand *command,
                                                 NULL, "is missing", fault);
 }
 
+static enum pel_err check_time(const Pelagos__ExerciseCommand *command,
+                               struct pel_fault *fault)
+{
+    bool good =
+        !command->has_time || (command->time >= 0 && command->time <= 1e9);
+    return good ? PEL_OK
+                : pel_fault_refuse(PEL_ERR_OUT_OF_RANGE, "time", NULL,
+                                   "must be 0 to 1e9 s", fault);
+}
+
 /* Any thread. */
 static void do_files(const struct pel_exercises *all,
                      const Pelagos__ExerciseCommand *c, struct filed *out)
@@ -154,6 +164,10 @@ static void do_files(const struct pel_exercises *all,
     struct pel_exercise_files *files = all->files;
     struct pel_fault *fault = &out->fault;
     out->done = true;
+    out->err = check_time(c, fault);
+    if (out->err) {
+        return; /* a command that is refused changes no file */
+    }
     switch (c->action) {
     case PELAGOS__EXERCISE_ACTION__LIST:
         out->listed = (Pelagos__ExerciseStatus *)pel_message_new(
@@ -262,10 +276,6 @@ static enum pel_err carry_out(struct pel_exercises *all,
                               struct pel_fault *fault)
 {
     *out = NULL;
-    if (command->has_time && !(command->time >= 0 && command->time <= 1e9)) {
-        return pel_fault_refuse(PEL_ERR_OUT_OF_RANGE, "time", NULL,
-                                "must be 0 to 1e9 s", fault);
-    }
     pel_scene_catch_up(all->run.scene);
     enum pel_err err = act(all, command, filed, fault);
     if (err) {
