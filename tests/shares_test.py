@@ -182,6 +182,37 @@ class Revoked(Case):
         self.assertTrue(goes_on[1].ask(get={}).HasField("state"))
 
 
+class Rtsp(Case):
+    def ask(self, s, token):
+        """The status of a question that any token may ask."""
+        s.sendall(f"GET_PARAMETER rtsp://127.0.0.1:{self.rtsp_port}/wing "
+                  "RTSP/1.0\r\nCSeq: 1\r\nAuthorization: Bearer "
+                  f"{token}\r\n\r\n".encode())
+        return int(s.recv(4096).split()[1])
+
+    def connect(self):
+        s = socket.create_connection(("127.0.0.1", self.rtsp_port), 60)
+        self.addCleanup(s.close)
+        return s
+
+    def fill(self, token):
+        """Takes places until none is left; their connections."""
+        taken = []
+        while self.ask(s := self.connect(), token) != 503:
+            taken.append(s)
+        return taken, s
+
+    def test_a_place_given_up_is_asked_for_again(self):
+        """A connection that asks with another token, whose share is full, has
+        no place, with its first token neither."""
+        watched, _ = self.fill(TOKENS["watch"])
+        others, late = self.fill(OTHER)
+        self.assertGreater(len(watched), len(others))
+        self.assertEqual(self.ask(others[0], TOKENS["watch"]), 503)
+        self.assertNotEqual(self.ask(late, OTHER), 503)
+        self.assertEqual(self.ask(others[0], OTHER), 503)
+
+
 class Unread(Case):
     def test_slow_readers_of_health(self):
         """Who asks for /healthz and reads nothing keeps nobody from it."""

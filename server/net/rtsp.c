@@ -285,8 +285,8 @@ static bool admit(void *user, GstRTSPClient *client, const struct pel_who *who)
         visit->who = *who;
         visit->placed_ns = pel_now_ns();
         g_ptr_array_add(rtsp->places, visit);
-        atomic_store(&visit->known, true);
     }
+    atomic_store(&visit->known, !share);
     pthread_mutex_unlock(&rtsp->lock);
     if (share) {
         atomic_fetch_add(&rtsp->crowded, 1);
