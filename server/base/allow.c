@@ -1,41 +1,28 @@
 #include "base/allow.h"
 
 #include <arpa/inet.h>
-#include <errno.h>
+#include <glib.h>
 #include <netinet/in.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const uint8_t mapped_prefix[12] = { [10] = 0xff, [11] = 0xff };
 
-/* Reads a decimal number of 0..limit that is the whole text. */
-static bool read_number(const char *text, long limit, long *out)
-{
-    char *end;
-    if (*text < '0' || *text > '9') {
-        return false;
-    }
-    errno = 0;
-    *out = strtol(text, &end, 10);
-    return errno == 0 && *end == 0 && *out <= limit;
-}
-
 static bool read_rule(char *text, uint8_t address[16], int *bits)
 {
     char *slash = strchr(text, '/');
-    long width = -1;
+    guint64 width = 0;
     if (slash) {
         *slash = 0;
-        if (!read_number(slash + 1, 128, &width)) {
+        if (!g_ascii_string_to_unsigned(slash + 1, 10, 0, 128, &width, NULL)) {
             return false;
         }
     }
     if (inet_pton(AF_INET, text, address + 12) == 1) {
         memcpy(address, mapped_prefix, sizeof mapped_prefix);
-        *bits = (int)(width < 0 ? 128 : width + 96);
+        *bits = slash ? (int)width + 96 : 128;
         return width <= 32;
     }
-    *bits = (int)(width < 0 ? 128 : width);
+    *bits = slash ? (int)width : 128;
     return inet_pton(AF_INET6, text, address) == 1;
 }
 

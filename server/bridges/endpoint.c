@@ -2,25 +2,13 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <glib.h>
 #include <netinet/in.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 #include "base/trial.h"
-
-/* Reads a decimal number of 0..limit that is the whole text. */
-static bool read_number(const char *text, long limit, long *out)
-{
-    char *end;
-    if (*text < '0' || *text > '9') {
-        return false;
-    }
-    errno = 0;
-    *out = strtol(text, &end, 10);
-    return errno == 0 && *end == 0 && *out <= limit;
-}
 
 /* "HOST:PORT" or "[HOST]:PORT" to a socket address. */
 bool pel_endpoint_read(const char *text, struct sockaddr_storage *out,
@@ -28,9 +16,9 @@ bool pel_endpoint_read(const char *text, struct sockaddr_storage *out,
 {
     const char *colon = strrchr(text, ':');
     char host[64];
-    long port;
+    guint64 port;
     if (!colon || (size_t)(colon - text) >= sizeof host ||
-        !read_number(colon + 1, 65535, &port)) {
+        !g_ascii_string_to_unsigned(colon + 1, 10, 0, 65535, &port, NULL)) {
         return false;
     }
     size_t length = (size_t)(colon - text);
