@@ -4,6 +4,8 @@ edits, logs in, watches and asks for /healthz, each time, and another token that
 watches gets in; a client that has gone leaves its place at once; a token that
 is taken back ends what was begun with it. The attacks are those of
 tests/soak/attacks.py, which measures how long the instructor waits."""
+import http.client
+import json
 import multiprocessing
 import os
 import signal
@@ -143,6 +145,30 @@ class Gone(Case):
             self.assertEqual(until("they are gone", lambda: (
                 self.metric("pelagos_hls_waiting") == 0 and
                 self.metric("pelagos_hls_streams"))), 1)
+
+
+    def test_who_sends_no_more_has_the_answer(self):
+        """Half a close is none: whoever waits for a picture, a playlist, an
+        edit or a long answer has it."""
+        body = json.dumps({"points": [{"east": i, "north": 0}
+                                      for i in range(1000)]}).encode()
+        playlist = "/v1/views/bridge/hls.m3u8?width=128&height=64"
+        for method, path, body in (
+                ("PATCH", "/v1/state", b'{"sea": {"windSpeed": 8}}'),
+                ("GET", "/v1/views/bridge/frame.exr?width=512&height=512", b""),
+                ("GET", "/v1/series/surface?points=0,0&sweep=time=0:60:0.1",
+                 b""),
+                ("POST", "/v1/surface", body),
+                ("GET", "/v1/models", b""),
+                ("GET", playlist, b""),
+                ("GET", playlist + "&_HLS_msn=1&_HLS_part=0", b"")):
+            with self.subTest(path=path), self.daemon.connect_http() as s:
+                s.sendall(head(method, path, "instruct", body))
+                s.shutdown(socket.SHUT_WR)
+                answer = http.client.HTTPResponse(s)
+                answer.begin()
+                self.assertEqual(answer.status, 200, path)
+                self.assertTrue(answer.read(), path)
 
 
 class Revoked(Case):

@@ -61,7 +61,7 @@ void pel_http_suspend(struct client *client)
         MHD_suspend_connection(client->connection);
     }
     if (client->gone) {
-        pel_http_look_soon(client->server);
+        pel_http_probe_soon(client->server);
     }
 }
 

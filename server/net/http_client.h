@@ -47,8 +47,9 @@ struct client {
     bool reserve;       /* has one of the last places: see http_share.h */
     bool open;          /* asks for what is public: /healthz */
     bool gone;          /* the client sends no more */
+    bool probed;        /* whether it reads, in this request */
     struct pel_claim pictures, unread;
-    bool changes;       /* the request that is answered is an edit */
+    bool changes; /* the request that is answered is an edit */
     enum phase phase;
     int64_t deadline_ns;
     int64_t since_ns;  /* waiting for headers; the oldest makes room */
@@ -104,8 +105,7 @@ struct pel_http_server {
     guint sweeper;
     int hangups; /* an epoll that tells of clients that have gone */
     struct pel_fdsource *hangup_source;
-    guint
-        look; /* for those that had gone when they began to wait; 0: no need */
+    guint probing; /* those who send no more while they wait; 0: nobody */
     GPtrArray *clients;
     struct pel_worker *edit_worker, *question_worker; /* http_later.c */
     unsigned reading; /* bodies of edits, by that worker */

@@ -1,12 +1,15 @@
 #include "net/http_hangup.h"
 
+#include <poll.h>
 #include <sys/epoll.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include "base/watch.h"
 #include "net/fdsource.h"
 
 #define AT_ONCE 64
+#define PROBE_MS 100 /* most answers are there by then */
 
 static void on_hangups(void *user, GIOCondition ready)
 {
@@ -30,9 +33,9 @@ void pel_http_watch_hangups(struct pel_http_server *server)
 
 void pel_http_unwatch_hangups(struct pel_http_server *server)
 {
-    if (server->look) {
-        g_source_remove(server->look);
-        server->look = 0;
+    if (server->probing) {
+        g_source_remove(server->probing);
+        server->probing = 0;
     }
     if (server->hangup_source) {
         pel_fdsource_destroy(server->hangup_source);
@@ -41,7 +44,8 @@ void pel_http_unwatch_hangups(struct pel_http_server *server)
     }
 }
 
-/* Told once: at the edge. Without an epoll the sweep finds them. */
+/* Told at the edges: the end of what it sends, the end of all. Without an epoll
+ * the sweep finds them. */
 void pel_http_watch_hangup(struct client *client)
 {
     struct epoll_event event = { .events = EPOLLRDHUP | EPOLLET,
@@ -54,23 +58,47 @@ void pel_http_unwatch_hangup(struct client *client)
     epoll_ctl(client->server->hangups, EPOLL_CTL_DEL, client->fd, NULL);
 }
 
-static gboolean look(gpointer user)
+bool pel_http_polls(const struct client *client, short events)
+{
+    struct pollfd probe = { .fd = client->fd, .events = events };
+    return poll(&probe, 1, 0) == 1;
+}
+
+/* The end of what a client sends looks the same, whether it still reads or not.
+ * An interim answer, which every client of HTTP/1.1 takes (RFC 9110, 15.2),
+ * tells: where nobody reads, the kernel sends a reset back. */
+static void probe(struct client *client)
+{
+    static const char interim[] = "HTTP/1.1 100 Continue\r\n\r\n";
+    if (!client->probed) {
+        client->probed = true;
+        (void)send(client->fd, interim, sizeof interim - 1,
+                   MSG_DONTWAIT | MSG_NOSIGNAL);
+    }
+}
+
+static gboolean probe_all(gpointer user)
 {
     PEL_WATCH("http");
     struct pel_http_server *server = user;
-    server->look = 0;
+    server->probing = 0;
     for (guint i = 0; i < server->clients->len; i++) {
         struct client *client = g_ptr_array_index(server->clients, i);
-        if (client->gone) {
-            pel_http_left(client);
+        if (!client->gone || !client->suspended ||
+            client->phase == PHASE_CLOSED) {
+            continue;
         }
+        if (client->phase != PHASE_STREAM) {
+            probe(client);
+        }
+        pel_http_left(client);
     }
     return G_SOURCE_REMOVE;
 }
 
-void pel_http_look_soon(struct pel_http_server *server)
+void pel_http_probe_soon(struct pel_http_server *server)
 {
-    if (!server->look && server->hangup_source) {
-        server->look = g_idle_add(look, server);
+    if (!server->probing && server->hangup_source) {
+        server->probing = g_timeout_add(PROBE_MS, probe_all, server);
     }
 }

@@ -11,8 +11,13 @@ void pel_http_unwatch_hangups(struct pel_http_server *server);
 void pel_http_watch_hangup(struct client *client);
 void pel_http_unwatch_hangup(struct client *client);
 
-/* At the loop's next turn: someone waits who has gone already. */
-void pel_http_look_soon(struct pel_http_server *server);
+/* Whether any of these events, of poll(2), or the end of both directions is
+ * there. */
+bool pel_http_polls(const struct client *client, short events);
 
-/* http_server.c: the client sends no more; it ends where it is made to wait. */
+/* Soon: someone waits who sends no more, and may have gone. */
+void pel_http_probe_soon(struct pel_http_server *server);
+
+/* http_server.c: the client sends no more; it ends where it is made to wait and
+ * does not read either, and where it is sent a stream. */
 void pel_http_left(struct client *client);

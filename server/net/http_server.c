@@ -179,7 +179,7 @@ enum MHD_Result pel_http_take(struct client *client)
     bool changed = pel_scene_state(scene)->revision != before;
     bool edited = gated && changed;
     client->changes = changed || answer.kind == PEL_HTTP_PATCH ||
-                    answer.kind == PEL_HTTP_STEP;
+                      answer.kind == PEL_HTTP_STEP;
     client->of_debrief = answer.debrief;
     g_strlcpy(client->ignored, answer.ignored, sizeof client->ignored);
     answer.profile.who = client->who;
@@ -303,6 +303,7 @@ static void forget_request(struct client *client)
     client->target = client->authority = NULL;
     client->ignored[0] = '\0';
     client->notice[0] = '\0';
+    client->probed = false;
     if (client->body) {
         g_string_free(client->body, TRUE);
         client->body = NULL;
@@ -411,16 +412,18 @@ bool pel_http_server_accept(struct pel_http_server *server, int fd,
 }
 
 /* The library does not watch a suspended connection, and misses an end that
- * came together with the last bytes of half a request. */
+ * came together with the last bytes of half a request. Who sends no more may
+ * wait for an answer all the same (half a close): pel_http_probe finds out. */
 static bool vanished(const struct client *client)
 {
-    struct pollfd probe = { .fd = client->fd, .events = POLLRDHUP };
     int unread = 0;
-    bool reading =
-        client->phase == PHASE_HEADERS || client->phase == PHASE_BODY;
-    return (client->suspended || reading) && poll(&probe, 1, 0) == 1 &&
-           (!reading ||
-            (ioctl(client->fd, FIONREAD, &unread) == 0 && unread == 0));
+    if (client->suspended) {
+        bool streams = client->phase == PHASE_STREAM;
+        return pel_http_polls(client, streams ? POLLRDHUP : 0);
+    }
+    return (client->phase == PHASE_HEADERS || client->phase == PHASE_BODY) &&
+           pel_http_polls(client, POLLRDHUP) &&
+           ioctl(client->fd, FIONREAD, &unread) == 0 && unread == 0;
 }
 
 /* The library turns without end over a line of a chunk's size that is longer
@@ -454,10 +457,14 @@ static void end_stuck(struct pel_http_server *server)
 void pel_http_left(struct client *client)
 {
     client->gone = true;
-    if (client->suspended && client->phase != PHASE_CLOSED &&
-        vanished(client)) {
+    if (!client->suspended || client->phase == PHASE_CLOSED) {
+        return;
+    }
+    if (vanished(client)) {
         client->server->vanished++;
         pel_http_shut(client);
+    } else if (!client->probed) {
+        pel_http_probe_soon(client->server);
     }
 }
 
