@@ -827,7 +827,7 @@ EXERCISES = $(wildcard clients/exercises/*.json)
 VIEWERS := packaging/nginx/edge.conf packaging/haproxy/haproxy.cfg \
     packaging/haproxy/placed.cfg     packaging/relay/pelagos-relay
 
-# What `install` puts where, for `uninstall`; then the folders.
+# The files that `install` writes, for `uninstall`; then the folders.
 INSTALLED = $(D)/bin/pelagosd $(D)/bin/pelagosctl \
     $(addprefix $(D)/libexec/pelagos/,pelagos-seabed pelagos-model pelagos-panorama pelagos-spectrum pelagos-continents pelagos-weather) \
     $(addprefix $(L)/,libpelagos.a $(SHARED) libpelagos.so.$(ABI) libpelagos.so \

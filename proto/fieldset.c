@@ -3,8 +3,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* What this thread found last, by the message's address: everything that reads,
- * tests or writes messages asks for each of their fields. */
+/* The last finds of this thread, by the message's address: everything that
+ * reads, tests or writes messages asks for each of their fields. */
 #define FOUND 64
 static _Thread_local const struct pel_field_table *found[FOUND];
 

@@ -81,7 +81,7 @@ static enum pel_err newer(unsigned version, unsigned known,
                          version, known);
 }
 
-/* How many entries a journal says it has; 0: it does not say. */
+/* The number of entries by the journal's head; 0: the head has none. */
 static uint32_t counted(const uint8_t *data)
 {
     const uint8_t *at = data + PEL_LOG_COUNT_AT;
@@ -220,7 +220,7 @@ static bool zeroes(const struct pel_log_reader *reader, size_t at)
     return at == reader->size;
 }
 
-/* What the bytes at the reader's place are. */
+/* The kind of the bytes at the reader's place. */
 enum place { ENTRY, END, TORN, NO_LENGTH, DAMAGED };
 
 static enum place place_before(const struct pel_log_reader *reader,

@@ -31,7 +31,7 @@ size_t pel_log_head_bytes(const void *data, size_t size);
 
 /* --- reading -------------------------------------------------------------- */
 
-/* What a reader that mends had to pass over. */
+/* The parts that a mending reader passed over. */
 struct pel_log_damage {
     unsigned places; /* where bytes are no entry; 0: no damage */
     size_t at;       /* the first of them */

@@ -98,8 +98,8 @@ struct pel_option {
     const char *initial;     /* default, as it would be given */
     double minimum, maximum; /* of DOUBLE and INT */
     const char *unit;
-    /* Of a LIST: NULL where the element is good, else what is wrong with it.
-     * Absent: whoever takes the option says so. */
+    /* Tests an element of a LIST: NULL where it is good, else the fault in
+     * words. Absent: the user of the option tests it. */
     const char *(*element)(const char *text);
     bool secret;                /* has passwords, which are not printed */
     const char *const *choices; /* NULL-terminated, for CHOICE and DOUBLE */
@@ -169,7 +169,7 @@ PEL_CHECK enum pel_err pel_options_list(const struct pel_option *option,
                                         char out[PEL_OPTION_TEXT], char *why,
                                         size_t why_size);
 
-/* What elements may be (options_list.c); see `element`. */
+/* Tests of elements (options_list.c); see `element`. */
 const char *pel_options_host(const char *text);
 const char *pel_options_origin(const char *text);
 const char *pel_options_numeric(const char *text);

@@ -230,7 +230,7 @@ static char *config_of(const struct pel_options *of)
     return text;
 }
 
-/* What is printed is what is in force, and can be read again. */
+/* The printed options are those in force, and can be read again. */
 static void the_printed_file_is_what_is_in_force(void **state)
 {
     (void)state;

@@ -293,7 +293,7 @@ class Work(Case):
             self.assertEqual(set(codes), {"BUSY"})
 
     def test_QUESTIONS(self):
-        """Of files that a process writes, one after the other."""
+        """A process writes files, one after the other."""
         with self.rises("QUESTIONS") as most:
             sockets = [self.daemon.connect_http() for _ in range(most + 40)]
             for s in sockets:
@@ -539,7 +539,7 @@ class Cluster(Case):
 
 
 class Strangers(unittest.TestCase):
-    """Who has not given a token, where one is asked for."""
+    """Clients without a token, where one is asked for."""
     counted, rises = Case.counted, Case.rises
 
     @classmethod

@@ -179,7 +179,7 @@ class Durable(unittest.TestCase):
             self.assertEqual(field(daemon, "clock.time"), at)
 
     def test_a_damaged_journal(self):
-        """What is whole is used, the file is kept, the loss is told in numbers
+        """Whole entries are used, the file is kept, the loss is told in numbers
         until somebody has looked."""
         journal = self.state + ".journal"
         daemon = self.daemon()
@@ -290,7 +290,7 @@ class Durable(unittest.TestCase):
         self.assertLessEqual(set(answers), {200, 507})
         self.assertGreater(answers.count(200), 300)
         self.assertIn("REC-002", daemon.log())
-        until("the journal begins anew", lambda: daemon.patch({
+        until("the journal restarts", lambda: daemon.patch({
             "sky": {"visibility": 7001}}).status == 200)
         daemon.stop(signal.SIGKILL)
         with self.daemon() as daemon:

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What clients of others send: parameters that defeat caches, targets in
+"""Requests of clients of others: parameters that defeat caches, targets in
 absolute form, tags of what they have, preflights of pages of other origins."""
 import contextlib
 import http.client

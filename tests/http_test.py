@@ -499,7 +499,7 @@ class Origins(HttpCase):
             "Sec-Fetch-Site": "cross-site"}).status, 200, "a link to the page")
 
     def test_edits_of_other_pages(self):
-        """Whatever their browser says of where they are from."""
+        """Pages of other origins, by all that their browsers say of them."""
         before = self.daemon.state()["revision"]
         for method, path, body in (
                 ("PATCH", "/v1/state", {"sea": {"windSpeed": 21}}),

@@ -548,7 +548,7 @@ class Package(unittest.TestCase):
             self.assertIn(str(made), said.stdout)
 
     def test_humble(self):
-        """Of ROS 2's releases Humble has the oldest Python, 3.10: client and
+        """Humble has the oldest Python of ROS 2, 3.10: client and
         bridge say so and use nothing newer, by mypy's lists of what each
         Python's library has (the client's: python_client_test)."""
         oldest = "3.10"

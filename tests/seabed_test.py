@@ -500,7 +500,7 @@ def bottom(path, kind="elevation", at=(52.0, 4.0), east=0, north=0):
 
 
 class Meanings(unittest.TestCase):
-    """What numbers mean, by each way that a file can say it."""
+    """The meaning of numbers, by each way that a file can say it."""
 
     @classmethod
     def setUpClass(cls):

@@ -241,7 +241,7 @@ class Rtsp(Case):
 
 class Unread(Case):
     def test_slow_readers_of_health(self):
-        """Who asks for /healthz and reads nothing keeps nobody from it."""
+        """A client that asks for /healthz and reads nothing keeps nobody out."""
         for _ in range(150):
             s = socket.socket()
             self.addCleanup(s.close)

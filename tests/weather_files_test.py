@@ -387,7 +387,7 @@ class Grib(Case):
                 self.right(packing)
 
     def test_constant(self):
-        """Of no bits a value, with a binary scale that then counts not."""
+        """No bits a value, with a binary scale that does not count then."""
         steady = {"u": 6, "v": -2.5, "h": 2, "p": 9, "d": 300}
         fields = {n: (lambda a, o, k, x=x: x + 0 * a * o)
                   for n, x in steady.items()}
@@ -442,7 +442,7 @@ class Grib(Case):
                      "no wind to the north", "2026-06-21T09:00:00Z")
 
     def test_waves(self):
-        """Which of several heights, periods, directions, swells."""
+        """The choice among several heights, periods, directions, swells."""
         def wave(number, value, level=None, category=0):
             surface = (["typeOfFirstFixedSurface=1", "level=0"] if level is None
                        else ["typeOfFirstFixedSurface=241",

@@ -17,13 +17,13 @@ NAMES = {"u10": "10u", "v10": "10v", "swh": "swh", "pp1d": "pp1d",
          "mdts": "mdts"}
 
 
-# Of one quantum of each number that pelagos-weather hands over.
+# One quantum of each number that pelagos-weather hands over.
 QUANTA = [1 / 256, 1 / 256, 1 / 1024, 1 / 1024, np.pi / 32767, 1 / 1024,
           1 / 1024, np.pi / 32767]
 
 
 def parse(data):
-    """What pelagos-weather wrote: notes, and of each grid (west, south, steps),
+    """The output of pelagos-weather: notes, and of each grid (west, south, steps),
     times and quanta by number."""
     assert data[:8] == b"pelwthr2", data[:8]
     count, length = struct.unpack("2I", data[8:16])

@@ -223,7 +223,7 @@ class Strangers(Case):
         self.assertEqual((said["path"], said["minimum"]), ("width", 16))
 
     def test_lines_that_are_not_wanted(self):
-        """Of a group sound stays inactive, first or not, data are refused;
+        """Sound of a group stays inactive, first or not, data are refused;
         nothing of a stranger's line comes back but what a line may be."""
         more = OFFER.replace("a=group:BUNDLE 0", "a=group:BUNDLE a 0 d").replace(
             "m=video", "m=audio 9 UDP/TLS/RTP/SAVPF 111\r\na=mid:a\r\n"

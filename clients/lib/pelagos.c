@@ -85,8 +85,8 @@ static enum pel_client_code login_by_environment(struct pel_client *client,
     return code;
 }
 
-/* What is wanted, with what was probably meant: protobuf has another port than
- * HTTP. */
+/* The forms of an address, with the one that was probably meant: protobuf has
+ * another port than HTTP. */
 static enum pel_client_code bad_address(struct pel_client_error *error,
                                         const char *address)
 {

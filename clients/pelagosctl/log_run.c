@@ -30,7 +30,7 @@ bool log_run_is(const char *name)
         return false;
     }
     const char *data = g_mapped_file_get_contents(map);
-    /* Of whatever version: what is wrong with it is said as of a log. */
+    /* Any version: faults of the head are reported as those of a log. */
     bool is = data && g_mapped_file_get_length(map) > 5 &&
               memcmp(data, "PELOG", 5) == 0;
     g_mapped_file_unref(map);

@@ -71,7 +71,7 @@ function show() {
   byId("silent-names").textContent = silent;
 }
 
-// What keeps edits from the disk, in the server's words.
+// Show the server's words on edits that do not reach the disk.
 async function showHealth() {
   const health = document.hidden ? null
     : await fetch("/healthz", { cache: "no-store" })

@@ -35,7 +35,7 @@
   give(Array.prototype, "findLast", function (test, self) {
     return this[findLastIndex.call(this, test, self)];
   });
-  // Of a text, not of a pattern.
+  // Replaces a text, not a pattern.
   give(String.prototype, "replaceAll", function (what, by) {
     return this.split(what).join(by);
   });

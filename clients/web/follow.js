@@ -11,7 +11,7 @@ const FAR = 100000; // views.*.forward and right
 export const eyeNames = (model) => (model?.eyes ?? []).map((eye, i) =>
   eye.name || `eye point ${i + 1}`);
 
-// Of a model that an entity has in a length of its own.
+// The eye point of a model that an entity scales to its own length.
 export function eyeOf(model, index, length = model.length) {
   const eye = model.eyes[index];
   const scale = length && model.length ? length / model.length : 1;

@@ -25,7 +25,7 @@ export class Ground {
     plan.under.push((g) => this.draw(g));
   }
 
-  // What the raster was asked of.
+  // Identifies the request that the raster answers.
   get key() {
     const { plan } = this;
     const { file, offset: above } = plan.state.seabed ?? {};

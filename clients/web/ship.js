@@ -150,7 +150,7 @@ export class Ship {
     return Boolean(model?.bytes || model?.error);
   }
 
-  // Of the views that the ship carries whose shape was chosen.
+  // New places of the views that the ship carries, after a change of shape.
   moves(state, { id, name, was }) {
     const next = { model: { name } };
     const model = this.catalogue.of(next);

@@ -46,8 +46,8 @@ function corners() {
   return svg;
 }
 
-// What has room beside a view's name; and its picture's height, which browsers
-// that know aspect-ratio find by themselves.
+// Hides what has no room beside a view's name, and sets the picture's height,
+// which browsers that know aspect-ratio find by themselves.
 export function fitted(node, view) {
   const fit = () => {
     const across = node.clientWidth;

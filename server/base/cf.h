@@ -7,7 +7,7 @@
 
 #include "base/err.h"
 
-/* What a number may be of. */
+/* The quantity that a number measures. */
 enum pel_cf_quantity {
     PEL_CF_MPS,
     PEL_CF_M,

@@ -21,7 +21,7 @@ struct pel_who {
     uint32_t token; /* a number of its own; 0: none */
 };
 
-/* What is taken of a kind: by ranks, and by the token of who asks. */
+/* Places of a kind that are taken: by ranks, and by the asker's token. */
 struct pel_taken {
     uint64_t of_rank[PEL_RANKS];
     uint64_t of_token;

@@ -161,8 +161,8 @@ static void other_threads_are_not_watched(void **state)
     assert_int_equal(pel_watch_count("elsewhere"), 0);
 }
 
-/* Of ten hours with a stall a second few lines are left, and none of what only
- * waited for a busy machine. */
+/* Ten hours with a stall a second leave few lines, and waiting for a busy
+ * machine leaves none. */
 static void the_log_is_not_filled(void **state)
 {
     (void)state;

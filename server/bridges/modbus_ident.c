@@ -53,7 +53,8 @@ size_t pel_modbus_identify(const uint8_t *adu, size_t size, uint8_t *answer,
     if (*code) {
         return 0;
     }
-    /* A stream begins with an object that there is, or anew. */
+    /* A stream begins with the object asked for, or with the first one if
+     * there is no such object. */
     size_t end = asked[2] == ONE     ? asked[3] + 1U
                  : asked[2] == BASIC ? FIRST_REGULAR
                                      : 256;

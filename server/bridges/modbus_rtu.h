@@ -10,7 +10,7 @@
 /* CRC-16 of Modbus over serial line V1.02, 6.2.2; the low byte goes first. */
 uint16_t pel_modbus_crc(const uint8_t *bytes, size_t size);
 
-/* What the frame that begins with these bytes comes to. */
+/* Judges the frame that begins with these bytes. */
 enum pel_modbus_frame {
     PEL_MODBUS_PART,   /* more is to come */
     PEL_MODBUS_WHOLE,  /* unit and request, and its CRC is right */

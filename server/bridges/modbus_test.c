@@ -643,7 +643,7 @@ static void says_what_it_is(void **state)
     identify(f, 2, 4); /* from there on */
     assert_int_equal(pdu[6], 3);
     assert_int_equal(pdu[7], 4);
-    identify(f, 1, 200); /* none of its objects: anew */
+    identify(f, 1, 200); /* no such object: from the first */
     assert_int_equal(pdu[6], 3);
     assert_int_equal(pdu[7], 0);
     identify(f, 4, 2);

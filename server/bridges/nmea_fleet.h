@@ -47,7 +47,7 @@ void pel_nmea_fleet_expire(struct pel_nmea_fleet *fleet, int64_t life_ns,
                            int64_t now_ns);
 size_t pel_nmea_fleet_count(const struct pel_nmea_fleet *fleet);
 
-/* What is drawn now, and since when. */
+/* A target that is drawn, and since when. */
 struct pel_nmea_drawn {
     uint64_t key;
     int64_t since_ns;
@@ -59,11 +59,12 @@ struct pel_nmea_choice {
     struct pel_nmea_known *enter[PEL_NMEA_SWAPS];
 };
 
-/* Who is to be drawn: the nearest to own ship, of those heard within 6 minutes;
- * without own ship (NULL) those heard last. So that nobody comes and goes where
- * two are about as far, one that is drawn stays for 10 s at least and until
- * another is nearer by a tenth (without own ship: was heard 30 s later).
- * `room`: places that are free. The same table and times: the same choice. */
+/* Chooses the targets to draw: the nearest to own ship, of those heard within 6
+ * minutes; without own ship (NULL) those heard last. So that nobody comes and
+ * goes where two are about as far, one that is drawn stays for 10 s at least
+ * and until another is nearer by a tenth (without own ship: was heard 30 s
+ * later). `room`: places that are free. The same table and times: the same
+ * choice. */
 void pel_nmea_fleet_choose(struct pel_nmea_fleet *fleet,
                            const struct pel_nmea_report *own,
                            const struct pel_nmea_drawn *drawn,

@@ -513,7 +513,7 @@ static int hex_digit(char c)
     return c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1;
 }
 
-/* What devices leave behind a sentence, and pad datagrams with. */
+/* Bytes that devices leave behind a sentence, and pad datagrams with. */
 static bool is_blank(char c)
 {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == '\0';

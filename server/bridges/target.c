@@ -224,7 +224,7 @@ static void collect(void *user, struct pel_metrics_page *page)
                label, t->size > 0);
 }
 
-/* Of a start that is only tried: as the first look-up of a start would end. */
+/* For --check: looks the name up once, as a start would. */
 static void try_name(struct pel_target *t)
 {
     g_autoptr(GResolver) resolver = g_resolver_get_default();

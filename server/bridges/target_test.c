@@ -172,7 +172,7 @@ static void names_are_followed(void **state)
     now_at[1] = "10.0.0.3";
     turn_until_looked(2); /* by itself, a second later */
     assert_string_equal(place(target), "10.0.0.3");
-    /* What is in use stays while it is among them. */
+    /* The address in use stays while it is among them. */
     now_at[0] = "10.0.0.9";
     pel_target_failed(target);
     turn_until_looked(2); /* not so soon after the last time */

@@ -19,8 +19,8 @@
 #define MOST_ATTEMPTS 3 /* of a request at once */
 #define REST_MS 20      /* after a failure */
 #define HOPELESS_MS 500
-/* Of an answer, and of a line of the watch: etcd takes 1.5 MiB in a request,
- * and a watch that was cut off brings a thousand changes in a line. */
+/* Limits of an answer, and of a line of the watch: etcd takes 1.5 MiB in a
+ * request, and a watch that was cut off brings a thousand changes in a line. */
 #define MOST_ANSWER (4u << 20)
 #define MOST_LINE (16u << 20)
 #define FEW_KEYS 64
@@ -349,7 +349,7 @@ static void request_failed(struct pel_etcd_request *request, size_t endpoint,
     }
 }
 
-/* What an attempt brought, read. */
+/* Takes the answer that an attempt brought, once it is read. */
 static void request_take(struct pel_etcd_request *request, size_t endpoint,
                          long status, enum pel_err err,
                          const struct pel_etcd_text *text)
@@ -399,7 +399,7 @@ static void on_finished(struct pel_task *task, bool dropped)
     g_free(reading);
 }
 
-/* What has many keys takes its time to free, too. */
+/* The thread frees a text of many keys: that takes time, too. */
 static void finish_text(struct pel_etcd *etcd, struct pel_etcd_text *text)
 {
     if (text->answer.kvs->len <= FEW_KEYS) {

@@ -51,7 +51,7 @@ void pel_video_destroy(struct pel_video *video); /* NULL allowed */
  * Annex B access unit, with SPS and PPS where *key says key frame, or a frame
  * of VP8. Blocks until it is there. NOT_FOUND: no encoder works here (*fault
  * says which packages have one); INVALID: size or rate outside their range;
- * CONFLICT: cancelled; INTERNAL: it failed and starts anew with the next
+ * CONFLICT: cancelled; INTERNAL: it failed and restarts with the next
  * picture; NO_MEMORY. */
 PEL_CHECK enum pel_err pel_video_encode(struct pel_video *video,
                                         const struct pel_video_picture *picture,

@@ -207,10 +207,10 @@ void pel_frames_resync(struct pel_subscription *subscription, bool urgent);
 /* Asks for a key frame among the others; `urgent` as above. */
 void pel_frames_want_key(struct pel_subscription *subscription, bool urgent);
 
-/* How an answer is written, slice by slice, by the threads that compute it or,
- * where that is slow and of more than a slice, by one behind those that draw:
- * of 10,000 points it takes a hundred times what a thread may that others wait
- * for. Any thread. */
+/* The form of an answer. The threads that compute the answer write it slice by
+ * slice; a form that is slow, for more than a slice, is written by one thread
+ * behind those that draw, as 10,000 points take tens of milliseconds. Any
+ * thread. */
 #define PEL_SURFACE_HEAD 96
 struct pel_surface_form {
     /* The samples from `first` on; malloc()ed. */
@@ -220,7 +220,7 @@ struct pel_surface_form {
      * how long it is. */
     size_t (*head)(const struct pel_surface_form *form, double time_s,
                    size_t count, size_t size, char out[PEL_SURFACE_HEAD]);
-    /* What follows them; NULL: nothing. */
+    /* The text behind the slices; NULL: nothing. */
     const char *(*tail)(size_t count);
     bool slow;   /* slice() takes longer than what it writes took */
     bool has_id; /* of the reply, for head() */

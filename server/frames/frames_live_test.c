@@ -178,7 +178,7 @@ static void streams_are_shared_out(void **state)
     int second = open_all((struct pel_who){ PEL_RANK_WATCH, 2 }, 37, &other, b);
     assert_int_equal(first + second,
                      pel_share_of_rank(PEL_MAX_STREAMS, PEL_RANK_WATCH));
-    /* Who instructs has the rest, and then theirs, the newest first. */
+    /* An instructor takes the rest, and then theirs, the newest first. */
     int third = open_all((struct pel_who){ 0 }, 37, &above, c);
     assert_int_equal(third, PEL_MAX_STREAMS);
     assert_int_equal(one.err, PEL_ERR_NOT_FOUND);

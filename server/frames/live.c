@@ -191,7 +191,7 @@ static void find_owners(const struct pel_frames *frames,
     }
 }
 
-/* What others than `instead` have. */
+/* Streams and pixels of all but `instead`. */
 struct budget {
     struct pel_taken streams, pixels;
 };

@@ -104,7 +104,7 @@ static double weight(const struct pel_claim *claim, int64_t now_ns)
     return (double)claim->amount * (double)(now_ns - claim->since_ns + 1);
 }
 
-/* Of those that count against `who`; NULL: there is none but `mine`. */
+/* The worst claim that counts against `who`; NULL: there is none but `mine`. */
 static struct pel_claim *find_worst(const struct pel_claims *all,
                                     enum pel_share_answer share,
                                     const struct pel_claim *mine)

@@ -1,6 +1,6 @@
-/* What clients have under way, and answers that they have not read yet, by who
- * they are: base/share.h says how much of each kind a role and a token may
- * have. Control thread. */
+/* Counts the requests that clients have under way, and the answers that they
+ * have not read, by role and token: base/share.h says how much of each kind a
+ * role and a token may have. Control thread. */
 #pragma once
 
 #include <stddef.h>
@@ -28,7 +28,7 @@ struct pel_claim {
     struct pel_who who;
     uint64_t amount;
     int64_t since_ns;
-    /* Of UNREAD: ends the client, not before the loop's next turn. */
+    /* For UNREAD: ends the client, not before the loop's next turn. */
     void (*end)(void *user);
     void *user;
 };

@@ -6,7 +6,7 @@
 
 #include "net/http_route.h"
 
-/* Who asks, by the request's token, { 0 } where none is asked for: in
+/* The asker by the request's token, { 0 } where none is asked for: in
  * Authorization (pel_token_authorizes), or as subprotocol `bearer.TOKEN` of a
  * WebSocket. */
 struct pel_who pel_http_who(const struct pel_http_context *context,

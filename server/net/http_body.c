@@ -12,7 +12,7 @@
 
 /* --- requests ------------------------------------------------------------- */
 
-/* What stands for a merge patch of State in proto/routes.def. */
+/* The word for a merge patch of State in proto/routes.def. */
 #define MERGE "merge"
 
 static const ProtobufCMessageDescriptor *type_named(const char *name)

@@ -1,5 +1,5 @@
-/* What is judged of a request before it is carried out: its framing, the page
- * that asks, the form of its body, the names in its query. Internals of
+/* Tests a request before it is carried out: its framing, the page that asks,
+ * the form of its body, the names in its query. Internals of
  * http_route.c; no sockets. Any thread. */
 #pragma once
 

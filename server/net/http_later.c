@@ -1,6 +1,5 @@
-/* What two threads do for the HTTP server: reading bodies, writing answers.
- * What an edit brings and what answers it has a thread of its own, so that
- * nobody's large questions keep edits waiting. */
+/* Two threads read bodies and write answers for the HTTP server. One of them
+ * serves edits alone, so that no large question keeps edits waiting. */
 #include <string.h>
 
 #include "base/watch.h"

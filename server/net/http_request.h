@@ -36,8 +36,8 @@ struct pel_http_request {
 const char *pel_http_find_header(const struct pel_http_request *request,
                                  const char *name, size_t *count);
 
-/* Which of our names was asked for: of an absolute target, else the Host
- * header; NULL: none. */
+/* The host name asked for: of an absolute target, else of the Host header;
+ * NULL: none. */
 const char *pel_http_host(const struct pel_http_request *request);
 
 /* Takes a target in absolute form apart: its path, which begins with `?` where

@@ -331,7 +331,7 @@ static void append_value(GString *out, const struct pel_path_info *info,
     }
 }
 
-/* What is at answer->path. */
+/* Writes the value at answer->path. */
 static void write_field(struct pel_http_answer *answer,
                         const ProtobufCMessage *message)
 {
@@ -646,9 +646,9 @@ find_route(const struct pel_http_request *request,
     return route;
 }
 
-/* What may be asked for here; of a page of another origin, whether it may ask
- * for what its browser is about to (a preflight of the Fetch standard), which
- * no token comes with. */
+/* Lists the methods of this place; to a page of another origin it says whether
+ * the request that the browser is about to send is allowed (a preflight of the
+ * Fetch standard, which has no token). */
 static void answer_options(const struct pel_http_context *context,
                            const struct pel_http_request *request,
                            const struct pel_http_target *target,

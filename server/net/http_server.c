@@ -453,7 +453,7 @@ static void end_stuck(struct pel_http_server *server)
     }
 }
 
-/* Whoever has gone while we make it wait gives back what it has at once. */
+/* Ends a client that has left while it waits, so that its places are free. */
 void pel_http_left(struct client *client)
 {
     client->gone = true;

@@ -91,9 +91,10 @@ static bool may_go(const struct client *each)
            (each->phase == PHASE_ANSWER && each->open);
 }
 
-/* Of those with a place, of the lowest rank, the one that has been idle, or in
- * the middle of a head or a body, for longest: whoever sends whole requests is
- * not crowded out by those who do not. `spared`: and all above it. */
+/* The client of the lowest rank, among those with a place, that has been idle
+ * or in the middle of a head or a body for longest: clients that send whole
+ * requests are not crowded out by those that do not. Ranks up to `spared` are
+ * spared. */
 static struct client *find_victim(const struct pel_http_server *server,
                                   bool reserve,
                                   const struct pel_http_source *source,
@@ -201,7 +202,7 @@ static bool is_busy(const struct client *each, const struct scope *in)
             (each->phase == PHASE_BODY || each->phase == PHASE_ANSWER));
 }
 
-/* Of others. */
+/* Counts all clients but this one. */
 static struct pel_taken count_busy(const struct client *client,
                                    const struct scope *in)
 {
@@ -288,7 +289,7 @@ static bool has_share(struct client *client, const struct scope *in,
     }
 }
 
-/* Of those that have a place, but for the reserve. */
+/* Counts the other clients that have a place outside the reserve. */
 static unsigned count_placed(const struct client *client, bool of_source)
 {
     unsigned count = 0;

@@ -10,7 +10,7 @@
 struct pel_http_source pel_http_source_of(const struct pel_http_server *server,
                                           const struct sockaddr *address);
 
-/* Who a connection is of before its first head. */
+/* The rank of a connection before its first head. */
 struct pel_who pel_http_first_who(const struct pel_http_server *server);
 
 /* A connection is to be opened: the one of its source whose head has not come

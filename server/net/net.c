@@ -259,7 +259,7 @@ static enum pel_err load_secrets(struct pel_net *net, struct pel_fault *fault)
     return err;
 }
 
-/* Whatever was begun with a token that does not hold any more ends. */
+/* Ends everything that was begun with a token that has been taken back. */
 static void end_revoked(struct pel_net *net)
 {
     pel_sessions_revoke(net->sessions);

@@ -118,7 +118,7 @@ static struct visit *visit_of(GstRTSPClient *client)
     return g_object_get_data(G_OBJECT(client), VISIT_KEY);
 }
 
-/* Of the thread's client, which has been admitted. */
+/* Role and token of this thread's client, which has been admitted. */
 static struct pel_who who_asks(void)
 {
     const GstRTSPContext *at = gst_rtsp_context_get_current();

@@ -41,8 +41,8 @@ struct pel_series_job {
     void *user;
 };
 
-/* Which question an answer is of; then the answer, whose numbers the worker
- * takes: of 10,000 points that takes tens of milliseconds. */
+/* A question of the series, then its answer. The worker takes the numbers: tens
+ * of milliseconds for 10,000 points. */
 struct asked {
     struct pel_task task;
     struct pel_series_job *job;

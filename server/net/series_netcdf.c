@@ -72,8 +72,8 @@ static void describe(struct pel_netcdf *nc, int var,
 
 #define MAPPING "crs"
 
-/* What the places of points are metres of: CF's azimuthal equidistant mapping
- * about the scene's origin, on WGS 84 (scene/geodesy.h). */
+/* Names the plane that the points' metres lie in: CF's azimuthal equidistant
+ * mapping about the scene's origin, on WGS 84 (scene/geodesy.h). */
 static void put_mapping(struct pel_netcdf *nc, const Pelagos__State *state)
 {
     const Pelagos__Origin *o = state->origin;

@@ -186,9 +186,9 @@ static bool is_idle(const struct session *each)
     return each->jobs->len == 0 && each->out.bytes == 0 && !each->watching;
 }
 
-/* Of those that count against the session the one that has been idle for
- * longest, if for long enough; or else of the lowest rank below it the one that
- * has asked nothing for longest. False: there is none. */
+/* Ends the session that has been idle for longest among those that count
+ * against this one, if for long enough; else the one of the lowest rank below
+ * that has asked nothing for longest. False: there is none. */
 static bool make_room(const struct session *self, enum pel_share_answer share)
 {
     struct pel_sessions *all = self->all;
@@ -494,7 +494,7 @@ static void plan_next(struct session *self)
     pel_fdsource_wake_at(self->source, wake);
 }
 
-/* Whoever takes nothing for longest counts most. */
+/* The session that has read nothing for longest weighs most. */
 static void note_unread(struct session *self)
 {
     if (self->out.bytes > 0 || self->unread.all) {

@@ -34,8 +34,8 @@ void pel_token_destroy(struct pel_token *token); /* NULL allowed */
 PEL_CHECK enum pel_err pel_token_reload(struct pel_token *token,
                                         struct pel_fault *fault);
 
-/* Whose token these bytes are, NOBODY: they are none, in a time that does not
- * depend on where they differ. */
+/* The holder of the token with these bytes; NOBODY: there is no such token. The
+ * time taken does not depend on where the bytes differ. */
 struct pel_who pel_token_who(struct pel_token *token, const char *text,
                              size_t size);
 
@@ -43,8 +43,8 @@ struct pel_who pel_token_who(struct pel_token *token, const char *text,
  * `Basic …` with the token as password and any user (RFC 6750, 7617). */
 struct pel_who pel_token_authorizes(struct pel_token *token, const char *value);
 
-/* False: the file has that token no more, or with a lower role. True of who has
- * none. */
+/* False: the file has lost that token, or gives it a lower role. True for a
+ * client without a token. */
 bool pel_token_holds(struct pel_token *token, const struct pel_who *who);
 
 /* The permissions that pel_token_create asks for, of an open file. */

@@ -259,8 +259,9 @@ static gboolean sweep(gpointer user)
     return whep->sweeper != 0;
 }
 
-/* Of those that count against `who` the one that has not connected for longest
- * goes, or else the oldest of the lowest rank below; false: there is none. */
+/* Ends the session that has waited for its connection for longest, among those
+ * that count against `who`, or else the oldest of the lowest rank below; false:
+ * there is none. */
 static bool make_room(struct pel_whep *whep, const struct pel_who *who,
                       enum pel_share_answer share)
 {

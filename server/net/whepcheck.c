@@ -1,4 +1,4 @@
-/* Which candidates of an offer are sent checks of ICE. */
+/* Chooses the candidates of an offer that are sent ICE checks. */
 #include <arpa/inet.h>
 #include <ifaddrs.h>
 #include <netinet/in.h>

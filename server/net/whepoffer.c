@@ -612,8 +612,8 @@ static void append_line(GString *out, const struct pel_whep_offer *offer,
     append_transport(out, lines, at == offer->tagged);
 }
 
-/* What is before the first line of media; of a group those that stay, the first
- * of the offer's first. */
+/* Writes the lines before the first line of media; the group names the lines
+ * that stay, the offer's first one first. */
 static void append_head(GString *out, const struct pel_whep_offer *offer,
                         const char *answer, const char *media)
 {

@@ -317,7 +317,7 @@ static struct pel_allow networks(const char *text)
     return out;
 }
 
-/* Of the sixteen that an offer may name. */
+/* An offer may name sixteen candidates. */
 static void few_are_sent_checks(void **state)
 {
     (void)state;

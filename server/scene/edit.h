@@ -22,8 +22,8 @@ PEL_CHECK enum pel_err pel_state_apply(const Pelagos__State *from,
 
 #define PEL_NOTICE 240
 
-/* What applying the patch switches off without having been asked to, in a
- * sentence; "": nothing. So far: the helm of a ship that the patch gives a pose
- * or a rate. */
+/* Names the part of the state that the patch switches off without saying so, in
+ * a sentence; "": nothing. So far: the helm of a ship that the patch gives a
+ * pose or a rate. */
 void pel_state_notice(const Pelagos__State *from, const Pelagos__Patch *patch,
                       char out[PEL_NOTICE]);

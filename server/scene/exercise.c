@@ -129,7 +129,7 @@ static Pelagos__Exercise *kept(const struct pel_exercises *all)
     return exercise;
 }
 
-/* What a command has to do with files. */
+/* The part of a command that reads and writes files. */
 struct filed {
     bool done;
     enum pel_err err;

@@ -176,7 +176,7 @@ const GPtrArray *pel_exercise_files_names(struct pel_exercise_files *files)
     return files->listing;
 }
 
-/* What was known of it, if the file is still the same; known_unref(). */
+/* The entry of a file that has not changed, or NULL; known_unref(). */
 static struct known *recall(struct pel_exercise_files *files, const char *name,
                             const struct stat *info)
 {

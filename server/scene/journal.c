@@ -31,7 +31,7 @@ struct pel_journal {
     int fd;            /* -1: nothing can be kept */
     size_t size;       /* bytes that are whole entries */
     size_t room;       /* that the disk has promised */
-    size_t limit;      /* it begins anew there */
+    size_t limit;      /* it restarts there */
     bool unsynced;     /* since the last sync began */
     guint sync_timer;  /* 0: nothing to bring to the disk */
     guint again_timer; /* 0: nothing is wrong */
@@ -176,7 +176,7 @@ static void say_what_is_lost(struct pel_journal_found *found,
     g_string_free(out, TRUE);
 }
 
-/* What is there of it, into *state and *found. CONFLICT: of a newer version. */
+/* Reads the journal into *state and *found. CONFLICT: of a newer version. */
 static enum pel_err take_all(const void *bytes, size_t size,
                              const char *lineage, Pelagos__State **state,
                              struct pel_journal_found *found,
@@ -465,7 +465,7 @@ static void do_turn(struct pel_task *task)
     t->got = begin_file(t->journal->fresh, t->head, t->size);
 }
 
-/* What has come since, behind the head of the new one. */
+/* Writes the entries that have come since behind the new journal's head. */
 static bool write_since(struct begun *b, const GByteArray *since)
 {
     size_t size;
@@ -564,7 +564,7 @@ static gboolean on_sync_timer(gpointer user)
 
 /* --- adding --------------------------------------------------------------- */
 
-/* What is there of a torn entry goes. Not by ftruncate, which would give back
+/* Overwrites the rest of a torn entry. Not by ftruncate, which would give back
  * the room that is reserved behind it. */
 static void wipe(struct pel_journal *j)
 {

@@ -2,7 +2,7 @@
  * they take effect and are answered, so that a process that is killed loses
  * none. A file in the form of proto/pelog.md: the state that it begins with,
  * then patches and steps, each with its checksum. A thread brings it to the
- * disk every PEL_JOURNAL_SYNC_MS, and begins it anew from the present state
+ * disk every PEL_JOURNAL_SYNC_MS, and restarts it from the present state
  * when it is full, so the control thread writes a few hundred bytes an edit and
  * waits for no disk. Room for a whole journal is reserved at its beginning: a
  * disk that fills up later stops no edit from being kept until that is used up.
@@ -19,13 +19,13 @@
 #include "scene/worker.h"
 
 #define PEL_JOURNAL_SYNC_MS 100
-#define PEL_JOURNAL_BYTES (1 << 20)        /* then it begins anew */
+#define PEL_JOURNAL_BYTES (1 << 20)        /* then it restarts */
 #define PEL_JOURNAL_MOST_BYTES (8 << 20)   /* where it cannot */
 #define PEL_JOURNAL_LEAST_BYTES (16 << 10) /* without them it is not begun */
 
 struct pel_journal;
 
-/* What a journal had that is read at a start. */
+/* The contents of a journal that is read at a start. */
 struct pel_journal_found {
     unsigned edits; /* that were used */
     unsigned lost;  /* that are not there, as far as that is known */
@@ -51,10 +51,10 @@ PEL_CHECK enum pel_err pel_journal_load(const char *path, const char *lineage,
                                         struct pel_journal_found *found,
                                         struct pel_fault *fault);
 
-/* Who has the journal. */
+/* The wishes of a journal's owner. */
 struct pel_journal_cares {
     bool goes_on;              /* edits that it cannot keep take effect */
-    void (*wants)(void *user); /* it may be begun anew: pel_journal_is_full */
+    void (*wants)(void *user); /* it may be restarted: pel_journal_is_full */
     void *user;
 };
 
@@ -79,11 +79,11 @@ PEL_CHECK bool pel_journal_add(struct pel_journal *journal, double time_s,
 /* Whether an edit that took effect is in no file yet; NULL allowed. */
 bool pel_journal_lacks(const struct pel_journal *journal);
 
-/* What is wrong and what to do, in a sentence; false: nothing. NULL allowed. */
+/* The fault and its cure in a sentence; false: there is none. NULL allowed. */
 bool pel_journal_trouble(const struct pel_journal *journal, char *out,
                          size_t size);
 
-/* Whether it should begin anew; with the state as the state file keeps it. */
+/* Whether it should restart; with the state as the state file keeps it. */
 bool pel_journal_is_full(const struct pel_journal *journal);
 void pel_journal_turn(struct pel_journal *journal, const Pelagos__State *state);
 

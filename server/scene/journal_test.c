@@ -246,7 +246,7 @@ static void blocks_that_are_zero_or_twice(void **state)
     }
 }
 
-/* Of the daemon before, without checksums. */
+/* A journal of the previous version, without checksums. */
 static void an_older_journal(void **state)
 {
     (void)state;
@@ -334,7 +334,7 @@ static void what_does_not_fit_is_refused(void **state)
     assert_true(pel_journal_trouble(j, why, sizeof why));
     assert_non_null(strstr(why, "refused"));
     assert_false(pel_journal_lacks(j));
-    /* It begins anew, of the state that has them all. */
+    /* It restarts from the state that has them all. */
     assert_true(pel_journal_is_full(j));
     pel_journal_turn(j, s);
     while (pel_worker_wait(worker)) {

@@ -255,8 +255,8 @@ void pel_scene_save_soon(struct pel_scene *scene)
     }
 }
 
-/* The journal begins anew where it should: with the state as it is, which has
- * every edit that was answered. */
+/* Restarts a journal that is full: from the present state, which has every edit
+ * that was answered. */
 static void turn_journal(void *user)
 {
     struct pel_scene *scene = user;
@@ -269,7 +269,7 @@ static void turn_journal(void *user)
     }
 }
 
-/* Who is silent is found out again after a start. */
+/* Silent inputs are found again after a start. */
 static bool says_sources_only(const Pelagos__Patch *patch)
 {
     return patch && patch->n_remove == 0 && patch->state &&
@@ -368,7 +368,7 @@ void pel_scene_troubles(const struct pel_scene *scene, struct pel_troubles *out)
     }
     for (size_t i = 0; i < scene->loss_count; i++) {
         const struct pel_loss *loss = &scene->losses[i];
-        /* Whoever has looked at the file moves it away. */
+        /* The file stays until somebody has looked at it and moves it away. */
         if (!loss->kept) {
             add(out, loss->what, "the %s was damaged at the start: %s",
                 loss->what, loss->words);

@@ -470,7 +470,7 @@ static bool take_sea(const char *g)
            rest <= 6;
 }
 
-/* What airfields of armed forces give of their weather in a colour. */
+/* The colour code in which airfields of armed forces report their weather. */
 static bool take_colour(const char *g)
 {
     static const char *const colours[] = { "BLU",  "BLU+", "WHT", "GRN", "YLO",

@@ -175,7 +175,7 @@ static void remove_one(struct pel_record *record, GArray *found, unsigned i)
     g_array_remove_index(found, i);
 }
 
-/* How much of a full segment it is, 0 to 1. */
+/* The part of a full segment that is used, 0 to 1. */
 static double share_of(const struct pel_record *record, const GArray *found,
                        unsigned i)
 {
@@ -197,7 +197,8 @@ static unsigned shortest(const GArray *found)
 
 /* By bytes: the oldest goes when what is left is as many full segments as are
  * to be kept, so that a short one, as a crash leaves it, makes nobody go. By
- * age, where that is bounded. Of too many files the shortest goes. */
+ * age, where that is bounded. Where there are too many files the shortest one
+ * goes. */
 static void remove_old(struct pel_record *record)
 {
     GArray *found = closed_ones(record);

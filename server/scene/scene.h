@@ -120,8 +120,8 @@ PEL_CHECK enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
 
 /* What the state file named and was not found at the start; the scene's. */
 struct pel_missing;
-/* What is wrong with keeping the state, now or at the start, each in a sentence
- * that says what to do. */
+/* The faults in keeping the state, now or at the start, each in a sentence that
+ * says the cure. */
 #define PEL_TROUBLES_MOST 4
 struct pel_trouble {
     const char *what; /* "journal", "state" */

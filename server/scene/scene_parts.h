@@ -16,14 +16,14 @@
 #define PEL_MAX_CALLBACKS 16
 #define PEL_MAX_ACTS 2
 
-/* What a start found damaged. */
+/* Files that a start found damaged. */
 struct pel_loss {
     const char *what; /* "state", "journal" */
     char *kept;       /* where the file is kept; NULL: nowhere */
     char words[480];
 };
 
-/* What a start found. */
+/* Findings of a start. */
 struct pel_loaded {
     bool any; /* a state, not the default one */
     struct pel_journal_found journal;

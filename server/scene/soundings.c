@@ -12,7 +12,7 @@
 
 #define MAX_WAITING 16
 
-/* Of cells larger than the field's: the shallowest node counts. */
+/* In cells larger than the field's the shallowest node counts. */
 static void take_nodes(const struct pel_seabed *bed,
                        const struct pel_soundings_raster *r, float *depth_m)
 {

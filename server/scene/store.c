@@ -107,8 +107,8 @@ static enum pel_err lock(struct pel_store *store, struct pel_fault *fault)
                : unwritable(store->lock_path, errno, fault);
 }
 
-/* Of a start that is only tried: a daemon that has the state now may be the one
- * that is to be started again. */
+/* For --check: a daemon that has the state now may be the one that is to be
+ * restarted. */
 static enum pel_err try_lock(struct pel_store *store, struct pel_fault *fault)
 {
     int fd =
@@ -276,7 +276,8 @@ static bool take_text(char *text, const char *member, char **out)
     return true;
 }
 
-/* What the file's checksum says of it; it has eight zeroes for itself. */
+/* The result of the file's checksum, which is made with eight zeroes in its
+ * place. */
 enum checked { UNSAID, GOOD, BAD };
 
 static enum checked check_sum(const char *text, size_t length)

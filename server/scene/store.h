@@ -35,8 +35,8 @@ PEL_CHECK enum pel_err pel_store_load(struct pel_store *store,
  * NULL: it could not be moved, or there is none. */
 char *pel_store_set_aside(struct pel_store *store);
 
-/* What the file and its journal have in common: as it was loaded, or else new;
- * never NULL. And as it was loaded; NULL: not known. */
+/* The name that the file and its journal share: as loaded, or else new; never
+ * NULL. And as loaded; NULL: not known. */
 const char *pel_store_lineage(const struct pel_store *store);
 const char *pel_store_loaded_lineage(const struct pel_store *store);
 

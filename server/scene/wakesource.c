@@ -171,15 +171,15 @@ static double block_of(const struct pel_model *m)
     return box > 0 && volume > 0 ? pel_clamp(volume / box, 0.3, 0.85) : 0.6;
 }
 
-/* What makes waves of a model. */
+/* The parts of a model that make waves. */
 struct shape {
     uint64_t serial; /* 0: none */
     double block;
     struct pel_wake_bow bow;
 };
 
-/* Of the models that this thread asked for last: rays at a hull take some tens
- * of microseconds, for each edit of any ship. */
+/* Keeps the shapes of the models that this thread asked for last: rays at a
+ * hull take tens of microseconds, for each edit of any ship. */
 static const struct shape *shape_of(const struct pel_model *m)
 {
     enum { KEPT = 16 };

@@ -526,7 +526,7 @@ static struct train mean_train(const struct pel_weather *w,
     };
 }
 
-/* Of the numbers that this grid has itself. */
+/* Answers the numbers that this grid has itself. */
 static void ask(const struct pel_weather *w, double latitude_rad,
                 double longitude_rad, double unix_s,
                 struct pel_weather_now *out)

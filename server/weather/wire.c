@@ -53,7 +53,7 @@ bool pel_weather_wire_write(const struct pel_weather_grid *grid, FILE *to)
            (!grid->waves || write_grid(grid->waves, to));
 }
 
-/* What is left of the bytes; each part is a multiple of 8 bytes, and so is
+/* The rest of the bytes; each part is a multiple of 8 bytes, and so is
  * where they begin. */
 struct rest {
     const unsigned char *at;

@@ -103,7 +103,7 @@ def spotter(more="", **change):
 
 
 def new_seeds():
-    """Of buoys' own forms."""
+    """Spectra in the buoys' own forms."""
     spts = [datawell(), datawell("PTR\n5\n200\n8\n3.6\n"), datawell("x\ny\n"),
             datawell("5\n0\n8\n3\n"), datawell("5\n"), datawell(band="1,210"),
             datawell(band="0,210,36"), datawell(band="-1,999,80,2,9"),

@@ -137,7 +137,7 @@ def _laid(off: "NDArray[np.float64]") -> "NDArray[np.float64]":
 
 
 def _drop(flat: "NDArray[np.float64]") -> "NDArray[np.float64]":
-    """How far the sphere is below the eye's level."""
+    """Depth of the sphere below the eye's level."""
     np = need.numpy()
     half = np.sin(0.5 * flat / EARTH_RADIUS)
     return 2.0 * EARTH_RADIUS * half * half

@@ -534,7 +534,7 @@ static void hear(const char *message, char *user)
     }
 }
 
-/* What is left of a node's meshes and of those below. */
+/* Drops empty meshes of a node and of the nodes below it. */
 /* NOLINTNEXTLINE(misc-no-recursion): MOST_DEPTH deep. */
 static void renumber(struct aiNode *node, const unsigned *number,
                      unsigned count, int depth)

@@ -1,4 +1,4 @@
-/* What buoys report: energy by frequency and moments of its directions. For
+/* Reports of buoys: energy by frequency and moments of its directions. For
  * pelagos-spectrum. */
 #pragma once
 
@@ -23,7 +23,8 @@ PEL_CHECK enum pel_err pel_bands_take(const struct pel_bands *bands,
                                       struct pel_measured *out,
                                       struct pel_fault *fault);
 
-/* Of a direction it comes from, degrees from north, the one it goes to. */
+/* The direction that waves go to [degrees from north], by the one they come
+ * from. */
 double pel_goes_to_rad(double from_deg);
 
 /* From the Fourier coefficients of the direction it goes to, mathematical. */

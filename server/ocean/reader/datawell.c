@@ -112,7 +112,8 @@ static enum pel_err take_bands(const char *p, struct pel_bands *b,
     return PEL_OK;
 }
 
-/* Of its name, as Site}2021-06-20T12h30Z.spt; 0: it has none. */
+/* The time in the file's name, as Site}2021-06-20T12h30Z.spt; 0: the name has
+ * none. */
 static double time_of(const char *path)
 {
     int y, m, d, hour, minute;

@@ -372,8 +372,8 @@ static enum pel_err ways(const struct file *f, const char *variable,
                : PEL_OK;
 }
 
-/* What the densities' unit makes of a metre, Hz and rad; *by_frequency 1 where
- * they are for each Hz, −1 for each second of period, 0: for each rad/s. */
+/* The factor of the densities' unit to m²/(Hz rad); *by_frequency 1: for each
+ * Hz, −1: for each second of period, 0: for each rad/s. */
 static enum pel_err density_unit(struct file *f, double *factor,
                                  int *by_frequency, struct pel_fault *fault)
 {

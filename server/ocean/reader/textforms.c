@@ -121,7 +121,7 @@ static double stamp(struct text *t)
 /* --- SWAN ------------------------------------------------------------------
  */
 
-/* What stands behind the coordinates, without the quotes about it. */
+/* The name behind the coordinates, without its quotes. */
 static void place_name(const char *p, char out[64])
 {
     while (*p == ' ' || *p == '\t') {

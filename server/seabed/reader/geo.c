@@ -407,7 +407,7 @@ static enum pel_err warp(GDALDatasetH set, const char *source,
                                 CPLGetLastErrorMsg());
 }
 
-/* What the file's numbers mean. */
+/* The meaning of the file's numbers. */
 struct numbers {
     double scale, offset;
     struct pel_raster_meaning meaning;

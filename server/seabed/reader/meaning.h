@@ -1,5 +1,5 @@
-/* What a raster's numbers mean, by all that its file says: which way they grow
- * and in what unit. For pelagos-seabed. */
+/* The meaning of a raster's numbers by all that its file says: their direction
+ * and their unit. For pelagos-seabed. */
 #pragma once
 
 #include <gdal.h>
@@ -7,7 +7,7 @@
 
 #include "base/err.h"
 
-/* What the file says of its numbers, in its words; "": nothing. */
+/* The file's own words on its numbers; "": none. */
 struct pel_raster_said {
     char name[64]; /* of the variable */
     char standard[96], long_name[96];

@@ -88,7 +88,7 @@ static enum axis axis_of(GDALDimensionH dim)
         type && strcmp(type, GDAL_DIM_TYPE_HORIZONTAL_X) == 0   ? EAST
         : type && strcmp(type, GDAL_DIM_TYPE_HORIZONTAL_Y) == 0 ? NORTH
                                                                 : OTHER;
-    /* What the coordinate says of itself counts before its name. */
+    /* The coordinate's attributes count before its name. */
     for (size_t i = 0; v && axis == OTHER && i < 4; i++) {
         char text[96];
         attribute(v, attributes[i], text, sizeof text);

@@ -1,4 +1,4 @@
-/* Which of a file's fields count, and the grids that they make. */
+/* Chooses the fields of a file that count, and makes grids of them. */
 #include "weather/reader/forecast.h"
 
 #include <math.h>
@@ -73,8 +73,8 @@ enum pel_err pel_forecast_add(struct pel_forecast_file *file,
 
 #define CONTROL 16
 
-/* Of a number: a single run before an ensemble's control, then the least rank.
- */
+/* The order among fields of one number: a single run before an ensemble's
+ * control, then the least rank. */
 static int key_of(const struct pel_forecast_slice *s)
 {
     return s->kind.rank + (s->control ? CONTROL : 0);

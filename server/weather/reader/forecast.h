@@ -10,21 +10,21 @@
 #include "base/err.h"
 #include "weather/weather.h"
 
-/* What a file may have: weather.h's numbers, and the wind in its other form. */
+/* The numbers of a file: weather.h's, and the wind in its other form. */
 enum {
     PEL_FORECAST_SPEED = PEL_WEATHER_NUMBERS, /* of the wind at 10 m, m/s */
     PEL_FORECAST_WIND_WAY,                    /* it blows to, rad from east */
     PEL_FORECAST_NUMBERS
 };
 
-/* Which surface or height a number is of. */
+/* The surface or height that a number belongs to. */
 enum pel_forecast_height {
     PEL_FORECAST_AT_10_M,
     PEL_FORECAST_AT_SEA,
     PEL_FORECAST_IN_SEQUENCE, /* or the first of several swells */
 };
 
-/* What one field of a file is. */
+/* The description of one field of a file. */
 struct pel_forecast_kind {
     int number;
     int rank; /* of several kinds of a number that with the least counts */
@@ -36,7 +36,7 @@ struct pel_forecast_kind {
     const char *remark; /* what a user should know of it; NULL: nothing */
 };
 
-/* How a field calls itself; NULL and -1: it does not. */
+/* The names that a field has for itself; NULL and -1: none. */
 struct pel_forecast_name {
     const char *variable; /* NetCDF's */
     const char *standard; /* CF's standard_name; counts before the variable's */
@@ -44,10 +44,10 @@ struct pel_forecast_name {
     long id;              /* ecCodes' paramId */
 };
 
-/* Which number the field holds; false: none of ours. */
+/* The number that the field holds; false: none of ours. */
 bool pel_forecast_kind_of(const struct pel_forecast_name *name,
                           struct pel_forecast_kind *out);
-/* What people call a number, and files. */
+/* The names of a number, for people and in files. */
 const char *pel_forecast_name_of(int number);
 
 /* Coordinates of a grid's nodes with equal steps. */
@@ -106,7 +106,8 @@ PEL_CHECK enum pel_err pel_forecast_add(struct pel_forecast_file *file,
                                         const struct pel_forecast_slice *slice,
                                         struct pel_fault *fault);
 
-/* What a file has, until out->finish. *is_one false: it is no such file. */
+/* Lists the file's fields, until out->finish. *is_one false: it is no such
+ * file. */
 PEL_CHECK enum pel_err pel_forecast_list_grib(const char *path,
                                               struct pel_forecast_file *out,
                                               bool *is_one,
@@ -122,8 +123,8 @@ PEL_CHECK enum pel_err pel_forecast_list_netcdf(const char *path,
  * and no locks and no filters from elsewhere for HDF5. */
 void pel_forecast_prepare(const char *places[PEL_FORECAST_MOST_PLACES + 1]);
 
-/* What the file has; out->waves where they have a grid or times of their own.
- * Values, times and notes are never freed. */
+/* Reads the file; out->waves is set where waves have a grid or times of their
+ * own. Values, times and notes are never freed. */
 PEL_CHECK enum pel_err pel_forecast_read(const char *path,
                                          struct pel_weather_grid *out,
                                          struct pel_fault *fault);

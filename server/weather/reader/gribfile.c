@@ -141,7 +141,7 @@ static bool at_its_height(codes_handle *h, long edition, long id,
     }
 }
 
-/* What a field is that is not of one instant of one run; NULL: it is. */
+/* The kind of a field that is not of one instant of one run; NULL: it is. */
 static const char *other_product(codes_handle *h, long edition, bool *control,
                                  char out[48])
 {
@@ -588,8 +588,8 @@ static enum pel_err list(struct pel_forecast_file *file, FILE *from,
 /* --- its numbers ------------------------------------------------------------
  */
 
-/* Which value of the message is at a node, by its scanning mode (GRIB's flag
- * table 3.4): columns from west, rows from south. */
+/* The scanning mode of a message (GRIB's flag table 3.4), by which a node's
+ * value is found: columns from west, rows from south. */
 struct scan {
     size_t nx, ny;
     bool west, north, columns, to_and_fro;

@@ -95,8 +95,8 @@ static const char *other_product(const struct set *s, const struct variable *v,
     return NULL;
 }
 
-/* Which number it is; "…to" in its title without a standard_name is no
- * direction that can be trusted. */
+/* Finds the number that a variable holds; "…to" in its title without a
+ * standard_name is no direction that can be trusted. */
 static bool kind_of(struct pel_forecast_file *file, const struct set *s,
                     const struct variable *v, struct pel_forecast_kind *kind)
 {
@@ -221,7 +221,7 @@ static enum pel_err refuse_axis(const struct variable *v, int i,
                          v->name, wanted, a->name, values, a->name, a->name);
 }
 
-/* Of axes that are neither place nor time one value counts. */
+/* One value counts of an axis that is neither place nor time. */
 static enum pel_err fix_axis(struct variable *v, int i,
                              const struct pel_forecast_kind *kind,
                              struct pel_fault *fault)
@@ -536,7 +536,7 @@ static void note_versions(struct pel_forecast_file *file,
 /* --- its numbers ------------------------------------------------------------
  */
 
-/* What stands for no value: as the file's numbers are, before its scale. */
+/* The numbers that stand for no value, as the file has them, unscaled. */
 struct holes {
     double values[18];
     size_t count;

@@ -11,7 +11,7 @@
 #define PEL_NETCDF_MOST_DIMENSIONS 64 /* of a file */
 #define PEL_NETCDF_MOST_RANK 8        /* of a variable that is read */
 
-/* What a dimension is of. */
+/* The quantity of a dimension. */
 enum pel_netcdf_role {
     PEL_NETCDF_UNKNOWN,
     PEL_NETCDF_LATITUDE,
@@ -47,8 +47,8 @@ bool pel_netcdf_text(int id, int variable, const char *name, char *out,
 size_t pel_netcdf_numbers(int id, int variable, const char *name, size_t most,
                           double *out);
 
-/* What a variable of coordinates is of, by its standard_name, units and name.
- */
+/* The quantity of a coordinate variable, by its standard_name, units and
+ * name. */
 enum pel_netcdf_role pel_netcdf_role_of(int id, int variable);
 
 /* Coordinates of `count` nodes of a variable in the units above. */
