@@ -55,7 +55,7 @@ const struct pel_option pel_option_table[] = {
       .help = "Addresses and networks (10.0.0.0/8), separated by commas, that "
               "offers of WebRTC may name as a player's beside the address that "
               "asks. With --whep-servers they are sent checks of ICE; absent: "
-              "the one that asks alone is." },
+              "only the address that asks is." },
     { "http-hosts", "network", PEL_OPTION_LIST, "NAMES", "",
       .element = pel_options_host, .offset = FIELD(http_hosts),
       .help = "Names, separated by commas, that a proxy may give as Host." },
@@ -111,9 +111,9 @@ const struct pel_option pel_option_table[] = {
       .help = "Size at which --record begins a new segment." },
     { "record-keep", "scene", PEL_OPTION_INT, "COUNT", "16", 2, 100000,
       "segments", .offset = FIELD(record_keep),
-      .help = "What is kept of --record: as many bytes as that many full "
-              "segments have; the oldest go first. Shorter ones, as restarts "
-              "leave them, count as what they have, up to 500 files." },
+      .help = "Full segments of --record to keep, or as many bytes of shorter "
+              "ones, as restarts leave them, in at most 500 files; the oldest "
+              "go first." },
     { "record-days", "scene", PEL_OPTION_DOUBLE, "DAYS", "0", 0, 36500, "d",
       .offset = FIELD(record_days),
       .help = "Segments of --record that ended longer ago are removed when the "
@@ -250,7 +250,7 @@ const struct pel_option pel_option_table[] = {
     { "nmea-checksum", "bridges", PEL_OPTION_CHOICE, "WHETHER", "required",
       .choices = checksum_words, .offset = FIELD(nmea_checksum),
       .help = "Whether a sentence must have its checksum; optional takes one "
-              "that has none. A wrong one is dropped always." },
+              "that has none. A sentence with a wrong one is dropped." },
     { "nmea-entity", "bridges", PEL_OPTION_INT, "ID", "1", 0, 65535, "",
       .offset = FIELD(nmea_entity),
       .help = "Entity that NMEA sentences move." },

@@ -197,7 +197,7 @@ bool pel_cigi_answers_tell(struct pel_cigi_answers *a, int64_t now_ns)
     }
     pel_warn("CIG-015",
              "%zu of %zu requests of the CIGI host were not answered: more "
-             "came than the processor answers; ask seldomer or about fewer "
+             "came than the processor answers; ask less often, about fewer "
              "places, draw fewer views, or permit real time (--realtime)",
              lost, asked);
     a->told_ns = now_ns;

@@ -113,8 +113,8 @@ static void unresolved(struct pel_target *t, const char *why)
 {
     if (!t->told) {
         pel_warn("TGT-001",
-                 "--%s: %s is not resolved: %s; %s, and it is looked up again, "
-                 "every 30 s at last",
+                 "--%s: %s is not resolved: %s; %s, and the look-up is "
+                 "repeated, in the end every 30 s",
                  t->option, t->host, why,
                  t->size > 0 ? "its last address stays in use"
                              : "nothing is sent there meanwhile");
@@ -267,8 +267,8 @@ enum pel_err pel_target_create(const struct pel_target_options *options,
     if (!t->named && !set_address(t, t->host)) {
         enum pel_err err = pel_fault_set(
             fault, PEL_ERR_INVALID,
-            "--%s: '%.80s' is of another kind than where it is sent from; "
-            "both are wanted to be IPv4, or both IPv6",
+            "--%s: '%.80s' and the address that it is sent from are of "
+            "different kinds; write IPv4 for both, or IPv6",
             options->option, options->text);
         pel_target_destroy(t);
         return err;

@@ -248,8 +248,8 @@ static bool make_room(struct pel_frames *frames, const struct pel_who *asker,
     if (last) {
         struct pel_fault fault;
         pel_fault_set(&fault, PEL_ERR_NOT_FOUND,
-                      "the live view ended: one who may do more wants its "
-                      "place; ask again later");
+                      "the live view ended: a client of a higher role took "
+                      "its place; ask again later");
         end_with(frames, last->serial, &fault);
     }
     return last != NULL;

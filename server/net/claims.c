@@ -150,8 +150,8 @@ void pel_claim_unread(struct pel_claims *all, const struct pel_who *who,
         }
         all->ended++;
         pel_log_limited(&limit, PEL_LOG_WARNING, "NET-022",
-                        "a client that has not read %llu bytes of answers "
-                        "ends: others want the memory",
+                        "a client is closed with %llu bytes of answers "
+                        "unread: others need the memory",
                         (unsigned long long)worst->amount);
         pel_claim_give(worst);
         worst->end(worst->user);

@@ -642,8 +642,9 @@ static bool put(struct pel_journal *j, const uint8_t *data, size_t size)
         j->refused++;
     }
     if (first && j->why != 0) {
-        pel_error("SCN-034", "what was reserved of %s is used up: edits are %s",
-                  j->path, j->cares.goes_on ? "not kept" : "refused");
+        pel_error("SCN-034",
+                  "the room reserved for %s is used up: edits are %s", j->path,
+                  j->cares.goes_on ? "not kept" : "refused");
     }
     if (first) {
         say_broken(j, why);
