@@ -125,12 +125,10 @@ class Running(Case):
         """Every edit of a log and when it took effect."""
         pb = pelagos_daemon.schema()
         with open(record, "rb") as file:
-            data = file.read()[8:]
+            data = file.read()
         out = []
-        while data:
-            length, used = pelagos_daemon.read_varint(data)
-            entry = pb.LogEntry.FromString(data[used:used + length])
-            data = data[used + length:]
+        for entry in map(pb.LogEntry.FromString,
+                         pelagos_daemon.log_entries(data)):
             if entry.HasField("patch"):
                 out.append((entry.time, entry.patch.SerializeToString()))
         return out
