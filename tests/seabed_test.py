@@ -591,9 +591,21 @@ class Meanings(unittest.TestCase):
         self.is_at(self.netcdf(DOWN, name="elevation"), 40)
         self.refused(self.netcdf(-DOWN, name="elevation"), "none of its",
                      "-5", "ELEVATION", kind="depth")
+        self.is_at(self.netcdf(name="h", long_name="bathymetry at RHO-points"),
+                   -40)
         mixed = DOWN - 42
         self.refused(self.netcdf(mixed, name="depth"), "DEPTH", "ncatted")
         self.is_at(self.netcdf(mixed, name="depth"), 2, "depth")
+
+    def test_fill_values_that_nobody_tells(self):
+        land = np.indices(DOWN.shape)[1] > DOWN.shape[1] * 2 // 3
+        for fill in (-9999, 9999, -32768, 32767, -99999, 1e20):
+            for values in (-DOWN, DOWN):
+                for kind in ("elevation", "depth"):
+                    self.refused(self.tiff(values=np.where(land, fill, values)),
+                                 f"it has {fill:g}", "a_nodata", kind=kind)
+        for deep in (-10900, 8800): # the deepest trench, the highest mountain
+            self.is_at(self.tiff(values=np.where(land, deep, -DOWN)), -40)
 
     def test_which_way_by_vertical_crs(self):
         for crs in ("5831", "5715", "5866"):

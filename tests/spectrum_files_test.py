@@ -313,6 +313,29 @@ class Forms(unittest.TestCase):
         self.is_it(self.ndbc("#YY  MM DD hh mm ", "2019 01 01 00",
                              second="#yr  mo dy hr mn Hz\n"), None)
 
+    def test_ndbc_files_that_are_no_densities(self):
+        """A file of directions looks like one of densities: 37 m of sea."""
+        head, stamp = "#YY  MM DD hh mm   ", "2019 01 01 00"
+        path = self.ndbc(head, stamp, letters="wdijk")
+        folder = os.path.join(self.folder, f"ndbc{self.count}")
+        os.mkdir(folder)
+        for letter in "wdijk":
+            shutil.copy(os.path.join(
+                self.folder, os.path.basename(path).replace("w", letter)),
+                os.path.join(folder, f"44902{letter}2019.txt"))
+        at = lambda letter: os.path.join(folder, f"44902{letter}2019.txt")
+        self.is_it(at("w"))
+        for letter, words in (("d", "alpha1"), ("i", "alpha2"), ("j", "r1"),
+                              ("k", "r2")):
+            self.refused(at(letter), words, "44902w2019.txt")
+        shutil.copy(at("d"), os.path.join(folder, "renamed.txt"))
+        self.refused(os.path.join(folder, "renamed.txt"), "height", "m")
+        os.remove(at("j"))
+        self.refused(at("w"), "'j'", "r1")
+        for letter in "dik":
+            os.remove(at(letter))
+        self.is_it(at("w"), None)
+
     def test_missing_bands_are_no_calm_sea(self):
         head, stamp = "#YY  MM DD hh mm   ", "2019 01 01 00"
         for mark in ("999.00", "MM", "99.00", "9999.0"):

@@ -264,6 +264,21 @@ class Grib(Case):
         self.refused(self.write("members", member), "member 4")
         self.refused(self.write("zero", run(3, 0, 1)), "member 0")
 
+    def test_runs(self):
+        """Components are of one run: the newest that has both."""
+        def fields(names, hour, step, factor):
+            return [message(factor * plane(n), [
+                *named(n), f"dataTime={100 * hour}", f'stepRange="{step}"'])
+                for n in names]
+        old, new = fields("uv", 0, 6, 1), fields("uv", 6, 0, 2)
+        for part in (new[:1], new[1:]): # a newer run whose file was cut
+            self.right(self.write("cut", old + part), hours=(6,))
+        double = {n: lambda a, o, k, f=FIELDS[n]: 2 * f(a, o, k)
+                  for n in WIND}
+        self.right(self.write("both", new + old), hours=(6,), fields=double)
+        self.refused(self.write("none", old[:1] + new[1:]), "no run has all",
+                     "2026-06-21T06:00:00Z", "grib_copy")
+
     def test_surface(self):
         """GFS-Wave codes its wind at the surface; the ECMWF too, in GRIB1."""
         sea = ["typeOfFirstFixedSurface=1", "level=0"]
@@ -922,6 +937,51 @@ class NetCDF(Case):
                     all_[2, 1 - final] -= 3
                     v[:] = all_
             self.right(self.make("expver.nc", change=change), note="expver")
+
+    def test_beside_others(self):
+        """What only looks like one of ours leaves the file to those."""
+        def add(name, dims=("time", "lat", "lon"), value=20, **attributes):
+            def change(d):
+                if "plev" in dims:
+                    d.createDimension("plev", 2)
+                    c = d.createVariable("plev", "f8", ("plev",))
+                    c.units, c[:] = "Pa", (85000, 50000)
+                v = d.createVariable(name, "f4", dims)
+                v.setncatts(attributes)
+                v[:] = value
+            return change
+        levels = ("time", "plev", "lat", "lon")
+        rain = add("tp", units="m", standard_name="unknown", value=0.001,
+                   long_name="Total precipitation")
+        self.right(self.make("rain.nc", ALL, change=rain), ALL, note="tp")
+        self.right(self.make("rain.nc", change=rain))
+        for name in ("u", "ugrd"):
+            self.right(self.make("levels.nc", change=add(
+                name, levels, units="m s-1", standard_name="eastward_wind")),
+                note=f"not read: {name}")
+        self.right(self.make("unit.nc", ALL, change=add("hs", units="W m-2")),
+                   ALL, note="not read: hs")
+
+        def heights(d):
+            for z in (10, 100):
+                c = d.createVariable(f"height{z}", "f8", ())
+                c.units, c.standard_name, c[...] = "m", "height", z
+            for n in WIND:
+                d["x" + n].coordinates = "height10"
+                add("far" + n, units="m s-1", standard_name=STANDARDS[n],
+                    coordinates="height100")(d)
+        self.right(self.make("heights.nc", change=heights, standards=True))
+
+        def two_metres(d): # of temperatures, that nobody names
+            c = d.createVariable("height", "f8", ())
+            c.units, c.standard_name, c[...] = "m", "height", 2
+        self.right(self.make("height.nc", change=two_metres))
+        # and is refused for what it is where there is no other
+        self.refused(self.make("rest.nc", "v", change=add(
+            "u", levels, units="m s-1", standard_name="eastward_wind")),
+            "85000", "Pa", "10 m")
+        self.refused(self.make("rest.nc", change=add("swh", units="W m-2")),
+                     "swh", "W m-2")
 
     def test_directions(self):
         """The standard name says to or from, whatever the variable's."""

@@ -65,6 +65,27 @@ static pel_shelf_form *form_of(const char *path)
                : NULL;
 }
 
+#define MOST_HEIGHT_M 30.0 /* half as much again as any that was measured */
+
+/* Numbers in another unit, or of another quantity, are no sea. */
+static enum pel_err check_height(const struct pel_measured *m,
+                                 struct pel_fault *fault)
+{
+    double m0 = 0;
+    for (int i = 1; i < m->count; i++) {
+        m0 += 0.5 * (m->density[i] + m->density[i - 1]) *
+              (m->frequency_hz[i] - m->frequency_hz[i - 1]);
+    }
+    double height = 4 * sqrt(m0);
+    return height <= MOST_HEIGHT_M
+               ? PEL_OK
+               : pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                               "its significant height would be %.4g m, at "
+                               "most %g m can be: are its numbers densities, "
+                               "in the unit that the file says?",
+                               height, MOST_HEIGHT_M);
+}
+
 _Noreturn static void write_netcdf(void)
 {
     static const char *const nothing[] = { NULL };
@@ -107,7 +128,7 @@ int main(int argc, char **argv)
             "neither NetCDF, nor SWAN's, WAVEWATCH III's or NDBC's "
             "historical text, Datawell's .spt or Spotter's JSON");
     }
-    if (read(path, &want, &m, &unix_s, &fault)) {
+    if (read(path, &want, &m, &unix_s, &fault) || check_height(&m, &fault)) {
         pel_reader_refuse(fault.message);
     }
     const int32_t head[2] = { m.count, 0 };

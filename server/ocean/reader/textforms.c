@@ -527,7 +527,39 @@ static enum pel_err historical_rows(struct text *t, const struct pel_want *want,
     return bad(t, "no record", fault);
 }
 
-/* Beside 41010w2019.txt: d alpha1, i alpha2, j r1, k r2; all or none. */
+static const char *const of_letters[] = {
+    ['d'] = "mean directions (alpha1)",
+    ['i'] = "principal directions (alpha2)",
+    ['j'] = "spreads (r1)",
+    ['k'] = "spreads (r2)",
+};
+
+/* "44025d2019.txt" lies beside the densities of 44025w2019.txt, and its own
+ * numbers look like any. */
+static enum pel_err check_letter(const char *path, struct pel_fault *fault)
+{
+    const char *name = strrchr(path, '/');
+    name = name ? name + 1 : path;
+    size_t stem = strcspn(name, ".");
+    if (stem < 6) {
+        return PEL_OK;
+    }
+    for (size_t i = 1; i <= 4; i++) {
+        if (!isdigit((unsigned char)name[stem - i])) {
+            return PEL_OK;
+        }
+    }
+    int letter = tolower((unsigned char)name[stem - 5]);
+    bool moment = letter == 'd' || (letter >= 'i' && letter <= 'k');
+    return !moment ? PEL_OK
+                   : pel_fault_set(fault, PEL_ERR_INVALID,
+                                   "by its name it holds %s, no densities: "
+                                   "name %.*sw%.40s, beside which it is read",
+                                   of_letters[letter], (int)(stem - 5), name,
+                                   name + stem - 4);
+}
+
+/* Beside 41010w2019.txt: d alpha1, i alpha2, j r1, k r2. */
 static bool beside(const char *path, char letter, char out[4096])
 {
     snprintf(out, 4096, "%s", path);
@@ -543,23 +575,49 @@ static bool beside(const char *path, char letter, char out[4096])
     return f != NULL;
 }
 
+/* All four or none: one alone is no reason to do without the others. */
+static enum pel_err has_directions(const char *path, bool *out,
+                                   struct pel_fault *fault)
+{
+    char other[4096], has = 0, lacks = 0;
+    for (const char *letter = "dijk"; *letter; letter++) {
+        bool there = beside(path, *letter, other);
+        has = there ? *letter : has;
+        lacks = there ? lacks : *letter;
+    }
+    *out = !lacks;
+    return !has || !lacks
+               ? PEL_OK
+               : pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                               "beside it lies the file of '%c' (%s), and "
+                               "that of '%c' (%s) does not: fetch it, or take "
+                               "the other away",
+                               has, of_letters[(int)has], lacks,
+                               of_letters[(int)lacks]);
+}
+
 enum pel_err pel_read_historical(const char *path, const struct pel_want *want,
                                  struct pel_measured *out, double *unix_s,
                                  struct pel_fault *fault)
 {
-    struct text *t = open_text(path, fault);
     static double v[5][PEL_MEASURED_MOST];
     char other[4096];
-    enum pel_err err =
-        t ? historical_rows(t, want, v[0], unix_s, fault) : PEL_ERR_MALFORMED;
-    bool directional = !err;
+    bool directional = false;
+    enum pel_err err = check_letter(path, fault);
+    err = err ? err : has_directions(path, &directional, fault);
+    if (err) {
+        return err;
+    }
+    struct text *t = open_text(path, fault);
+    err = t ? historical_rows(t, want, v[0], unix_s, fault) : PEL_ERR_MALFORMED;
     for (int i = 1; i < 5 && !err && directional; i++) {
         struct pel_want same = { "", *unix_s };
         double when = NAN;
-        directional = beside(path, "wdijk"[i], other);
-        struct text *o = directional ? open_text(other, fault) : NULL;
-        if (o && (err = historical_rows(o, &same, v[i], &when, fault)) == 0 &&
-            (when != *unix_s || o->nf != t->nf)) {
+        struct text *o =
+            beside(path, "wdijk"[i], other) ? open_text(other, fault) : NULL;
+        err = o ? historical_rows(o, &same, v[i], &when, fault)
+                : PEL_ERR_MALFORMED;
+        if (!err && (when != *unix_s || o->nf != t->nf)) {
             err =
                 pel_fault_set(fault, PEL_ERR_NOT_FOUND,
                               "the file of '%c' lacks the record", "wdijk"[i]);

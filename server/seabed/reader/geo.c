@@ -413,11 +413,44 @@ struct numbers {
     struct pel_raster_meaning meaning;
 };
 
+/* Beyond the deepest sea and the highest mountain, whichever way it grows. */
+#define MOST_M 11500.0
+#define FILL 9999.0F     /* with a sign, where nobody tells of another */
+#define MOST_BY_CHANCE 3 /* nodes that are it */
+
+/* Numbers that can be no heights: of land whose fill value nobody tells. */
+static enum pel_err check_heights(const float *from, size_t count,
+                                  const struct numbers *n,
+                                  struct pel_fault *fault)
+{
+    size_t fills = 0;
+    float worst = 0;
+    double most = 0;
+    for (size_t i = 0; i < count; i++) {
+        double height =
+            ((double)from[i] * n->scale + n->offset) * n->meaning.metres;
+        fills += fabsf(from[i]) == FILL;
+        if (fabs(height) > most) { /* false for NaN */
+            most = fabs(height);
+            worst = from[i];
+        }
+    }
+    return most <= MOST_M && fills <= MOST_BY_CHANCE
+               ? PEL_OK
+               : pel_fault_set(
+                     fault, PEL_ERR_OUT_OF_RANGE,
+                     "it has %g, which is no height or depth (within %g m): a "
+                     "fill value that is not declared? Say it, as by "
+                     "gdal_edit.py -a_nodata %g FILE, or for netCDF ncatted -a "
+                     "_FillValue,VARIABLE,o,f,%g FILE",
+                     (double)worst, MOST_M, (double)worst, (double)worst);
+}
+
 static enum pel_err take(GDALDatasetH warped, const struct numbers *numbers,
                          bool depths, struct pel_raster_field *out,
                          struct pel_fault *fault)
 {
-    double least = INFINITY, greatest = -INFINITY, factor;
+    double least = INFINITY, greatest = -INFINITY, factor = 1;
     int columns = out->columns, rows = out->rows;
     size_t count = (size_t)columns * (size_t)rows;
     float *from = malloc(sizeof *from * count);
@@ -433,8 +466,11 @@ static enum pel_err take(GDALDatasetH warped, const struct numbers *numbers,
         least = fmin(least, value); /* false for NaN */
         greatest = fmax(greatest, value);
     }
-    enum pel_err err = pel_raster_sign(&numbers->meaning, depths, least,
-                                       greatest, &factor, fault);
+    /* Before its sign, which a fill value would decide. */
+    enum pel_err err = check_heights(from, count, numbers, fault);
+    err = err ? err
+              : pel_raster_sign(&numbers->meaning, depths, least, greatest,
+                                &factor, fault);
     double scale = factor * numbers->scale, offset = factor * numbers->offset;
     for (int y = 0; y < rows && !err; y++) {
         const float *row = from + (size_t)(rows - 1 - y) * (size_t)columns;

@@ -131,7 +131,7 @@ static enum pel_err find_way(const struct pel_raster_said *said,
         told = told ? told : &votes[i];
     }
     bool called = has(said->name, "depth") || has(said->long_name, "depth") ||
-                  has(said->name, "bathym");
+                  has(said->name, "bathym") || has(said->long_name, "bathym");
     out->way = told     ? told->way
                : called ? PEL_RASTER_BY_SIGN
                         : PEL_RASTER_AS_ASKED;

@@ -202,6 +202,17 @@ static enum pel_err find_times(const struct pel_forecast_file *file,
     return PEL_OK;
 }
 
+/* Whether the file has the number only as what was refused. */
+static bool was_refused(const struct pel_forecast_file *file, int number,
+                        struct pel_fault *fault)
+{
+    bool only = file->was_refused[number] && best_key(file, number, number) < 0;
+    if (only && fault) {
+        *fault = file->refused[number];
+    }
+    return only;
+}
+
 static enum pel_err lacks(const struct pel_forecast_file *file,
                           const char *what, struct pel_fault *fault)
 {
@@ -227,6 +238,13 @@ static enum pel_err choose_wind(const struct pel_forecast_file *file,
             return err ? err : find_times(file, g, fault);
         }
     }
+    static const int all[] = { PEL_WEATHER_WIND_EAST, PEL_WEATHER_WIND_NORTH,
+                               PEL_FORECAST_SPEED, PEL_FORECAST_WIND_WAY };
+    for (size_t i = 0; i < 4; i++) {
+        if (was_refused(file, all[i], fault)) {
+            return PEL_ERR_INVALID;
+        }
+    }
     bool east =
         best_key(file, PEL_WEATHER_WIND_EAST, PEL_WEATHER_WIND_EAST) >= 0;
     bool north =
@@ -250,13 +268,16 @@ static enum pel_err choose_waves(struct pel_forecast_file *file,
         keys[n] = best_key(file, n, n);
         bool wave = PEL_WEATHER_WAVES & 1u << n;
         bool part = PEL_WEATHER_PARTS & 1u << n;
-        any = any || (wave && keys[n] >= 0);
+        any = any || (wave && (keys[n] >= 0 || was_refused(file, n, NULL)));
         parts = parts && (!part || keys[n] >= 0);
         some_part = some_part || (part && keys[n] >= 0);
     }
     unsigned wanted =
         !any ? 0 : PEL_WEATHER_WAVES | (parts ? PEL_WEATHER_PARTS : 0);
     for (int n = 0; !err && n < PEL_WEATHER_NUMBERS; n++) {
+        if ((wanted & 1u << n) && was_refused(file, n, fault)) {
+            return PEL_ERR_INVALID;
+        }
         if ((wanted & 1u << n) && keys[n] < 0) {
             return lacks(file, pel_forecast_name_of(n), fault);
         }
@@ -349,30 +370,77 @@ static bool same_values(const double *a, const double *b, size_t count)
     return true;
 }
 
-/* A group's number at a time: of several runs the newest's. Two fields of one
- * run must be the same. `planes`: room for two. */
+static const struct pel_forecast_slice *find(const struct pel_forecast_file *f,
+                                             const struct group *g, size_t k,
+                                             double unix_s, double run_s)
+{
+    for (size_t i = 0; i < f->count; i++) {
+        const struct pel_forecast_slice *s = &f->slices[i];
+        if (s->kind.number == g->numbers[k] && key_of(s) == g->keys[k] &&
+            s->unix_s == unix_s && (isnan(run_s) || s->run_s == run_s)) {
+            return s;
+        }
+    }
+    return NULL;
+}
+
+/* The newest run that has all of a group's numbers at a time: a wind whose
+ * components are of two runs is of neither. */
+static enum pel_err find_run(struct pel_forecast_file *file,
+                             const struct group *g, double unix_s, double *run,
+                             struct pel_fault *fault)
+{
+    char at[32];
+    bool found = false, several = false;
+    const struct pel_forecast_slice *any =
+        find(file, g, 0, unix_s, (double)NAN);
+    for (size_t k = 0; k < g->count; k++) {
+        if (!find(file, g, k, unix_s, (double)NAN)) {
+            return pel_fault_set(fault, PEL_ERR_INVALID, "it has no %s at %s",
+                                 pel_forecast_name_of(g->numbers[k]),
+                                 pel_cf_when(unix_s, at));
+        }
+    }
+    for (size_t i = 0; i < file->count; i++) {
+        const struct pel_forecast_slice *s = &file->slices[i];
+        if (s->kind.number != g->numbers[0] || key_of(s) != g->keys[0] ||
+            s->unix_s != unix_s) {
+            continue;
+        }
+        several = several || s->run_s != any->run_s;
+        bool whole = !found || s->run_s > *run;
+        for (size_t k = 1; whole && k < g->count; k++) {
+            whole = find(file, g, k, unix_s, s->run_s) != NULL;
+        }
+        *run = whole ? s->run_s : *run;
+        found = found || whole;
+    }
+    if (several) {
+        pel_forecast_note(file, "of times that several runs have, the newest "
+                                "run's are taken");
+    }
+    return found ? PEL_OK
+                 : pel_fault_set(fault, PEL_ERR_INVALID,
+                                 "at %s no run has all of: %s and what goes "
+                                 "with it; keep one run's fields, as by "
+                                 "grib_copy -w dataTime=0 IN OUT",
+                                 pel_cf_when(unix_s, at),
+                                 pel_forecast_name_of(g->numbers[0]));
+}
+
+/* A group's number at a time of a run, whose fields of it must be the same.
+ * `planes`: room for two. */
 static enum pel_err read_at(struct pel_forecast_file *file,
                             const struct group *g, size_t k, double unix_s,
-                            double *planes, struct pel_fault *fault)
+                            double run_s, double *planes,
+                            struct pel_fault *fault)
 {
     char at[32], run[32];
     size_t nodes = (size_t)g->first->x.count * (size_t)g->first->y.count;
-    const struct pel_forecast_slice *best = NULL;
-    for (size_t i = 0; i < file->count; i++) {
-        const struct pel_forecast_slice *s = &file->slices[i];
-        if (s->kind.number == g->numbers[k] && key_of(s) == g->keys[k] &&
-            s->unix_s == unix_s) {
-            if (best && best->run_s != s->run_s) {
-                pel_forecast_note(file, "of times that several runs have, the "
-                                        "newest run's are taken");
-            }
-            best = !best || s->run_s > best->run_s ? s : best;
-        }
-    }
+    const struct pel_forecast_slice *best = find(file, g, k, unix_s, run_s);
     if (!best) {
-        return pel_fault_set(fault, PEL_ERR_INVALID, "it has no %s at %s",
-                             pel_forecast_name_of(g->numbers[k]),
-                             pel_cf_when(unix_s, at));
+        return pel_fault_set(fault, PEL_ERR_INTERNAL, "it has no %s",
+                             pel_forecast_name_of(g->numbers[k]));
     }
     enum pel_err err = read_slice(file, best, planes, fault);
     for (size_t i = (size_t)(best - file->slices) + 1; !err && i < file->count;
@@ -471,9 +539,11 @@ static enum pel_err read_group(struct pel_forecast_file *file,
     }
     for (int t = 0; !err && t < out->times; t++) {
         size_t from = nodes * (size_t)t;
+        double run = NAN;
+        err = find_run(file, g, out->unix_s[t], &run, fault);
         for (size_t k = 0; !err && k < g->count; k++) {
             double *plane = planes + (polar && k == 1 ? 2 * nodes : 0);
-            err = read_at(file, g, k, out->unix_s[t], plane, fault);
+            err = read_at(file, g, k, out->unix_s[t], run, plane, fault);
             for (size_t i = 0; !err && !polar && i < nodes; i++) {
                 values[k][from + i] = pel_weather_quantise(
                     (enum pel_weather_number)g->numbers[k], plane[i]);

@@ -88,6 +88,10 @@ struct pel_forecast_file {
     struct pel_forecast_words unread; /* wind and waves of other kinds */
     long told[64];                    /* which of them were looked at, hashed */
     size_t told_count;
+    /* By number: why a variable was left out that is called as it is, and
+     * would be refused were it the only one. */
+    struct pel_fault refused[PEL_FORECAST_NUMBERS];
+    bool was_refused[PEL_FORECAST_NUMBERS];
     char notes[PEL_WEATHER_MOST_NOTES];
     /* The slice's numbers in its quantity's unit above, rows from south, nodes
      * from west, NAN where there are none. */

@@ -75,6 +75,10 @@ static const char *other_product(const struct set *s, const struct variable *v,
         return out;
     }
     pel_netcdf_text(s->id, v->id, "long_name", text, sizeof text);
+    if (strcasestr(text, "precipitation")) { /* "tp", as a peak's period is */
+        snprintf(out, 96, "%.60s", text);
+        return out;
+    }
     const double heights[] = { height_in(v->name), height_in(text) };
     for (size_t i = 0; kind->height == PEL_FORECAST_AT_10_M && i < 2; i++) {
         if (heights[i] > 0 && fabs(heights[i] - 10) > 1e-6) {
@@ -329,6 +333,10 @@ static bool is_of(const struct set *s, const struct variable *v,
     if (pel_netcdf_text(s->id, v->id, "coordinates", list, sizeof list)) {
         return strstr(list, name) != NULL;
     }
+    pel_netcdf_text(s->id, v->id, "long_name", list, sizeof list);
+    if (height_in(v->name) > 0 || height_in(list) > 0) {
+        return false; /* it has told its own, and is here if that is 10 m */
+    }
     (void)nc_inq_nvars(s->id, &count);
     for (int k = 0; k < count; k++) {
         pel_netcdf_text(s->id, k, "coordinates", list, sizeof list);
@@ -495,6 +503,22 @@ static enum pel_err add_slices(struct pel_forecast_file *file, struct set *s,
 /* --- listing ----------------------------------------------------------------
  */
 
+/* Beside wind at 10 m lies that of pressure levels, beside the peak's period
+ * rain: a variable that cannot be one of ours leaves the file to the others. */
+static void leave_out(struct pel_forecast_file *file, struct variable *v,
+                      int number, const struct pel_fault *why)
+{
+    pel_forecast_words_add(&file->unread, "%.40s", v->name);
+    if (!file->was_refused[number]) {
+        file->was_refused[number] = true;
+        file->refused[number] = *why;
+    }
+    for (int i = 0; i < v->rank && i < PEL_NETCDF_MOST_RANK; i++) {
+        free(v->axes[i].values);
+        v->axes[i].values = NULL;
+    }
+}
+
 static enum pel_err take(struct pel_forecast_file *file, struct set *s, int id,
                          struct pel_fault *fault)
 {
@@ -517,6 +541,10 @@ static enum pel_err take(struct pel_forecast_file *file, struct set *s, int id,
     err = err ? err : check_scalars(s, v, &kind, fault);
     err = err ? err : check_title(s, v, &kind, fault);
     err = err ? err : take_unit(file, s, v, &kind, fault);
+    if (err == PEL_ERR_INVALID) {
+        leave_out(file, v, kind.number, fault);
+        return PEL_OK;
+    }
     err = err ? err : add_slices(file, s, &kind, fault);
     s->count += !err;
     return err;
