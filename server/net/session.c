@@ -22,8 +22,6 @@
 #define MESSAGES_A_TURN 64
 /* Above this many bytes waiting, nothing more is read from the session. */
 #define OUTPUT_PAUSE 65536
-/* A full house lets the longest-idle session go after this. */
-#define EVICT_IDLE_NS (60 * INT64_C(1000000000))
 #define LINGER_NS (2 * INT64_C(1000000000))
 
 static const char *const transport_names[] = { "tcp", "unix" };
@@ -173,90 +171,6 @@ static void malformed(struct session *self, const char *why)
     self->closing = true;
 }
 
-/* Ends at its next turn: it may be in the middle of one. */
-static void end_soon(void *user)
-{
-    struct session *self = user;
-    self->ended = true;
-    pel_fdsource_wake_at(self->source, 0);
-}
-
-static bool is_idle(const struct session *each)
-{
-    return each->jobs->len == 0 && each->out.bytes == 0 && !each->watching;
-}
-
-/* Ends the session that has been idle for longest among those that count
- * against this one, if for long enough; else the one of the lowest rank below
- * that has asked nothing for longest. False: there is none. */
-static bool make_room(const struct session *self, enum pel_share_answer share)
-{
-    struct pel_sessions *all = self->all;
-    struct session *idle = NULL, *lower = NULL;
-    for (guint i = 0; i < all->list->len; i++) {
-        struct session *each = g_ptr_array_index(all->list, i);
-        if (each == self || each->transport != self->transport ||
-            each->stranger || each->ended) {
-            continue;
-        }
-        bool counts = share == PEL_SHARE_TOKEN_FULL
-                          ? each->who.token == self->who.token
-                          : each->who.rank >= self->who.rank;
-        if (counts && is_idle(each) &&
-            (!idle || each->active_ns < idle->active_ns)) {
-            idle = each;
-        }
-        if (self->who.rank < PEL_RANK_WATCH &&
-            each->who.rank > self->who.rank &&
-            (!lower || each->who.rank > lower->who.rank ||
-             (each->who.rank == lower->who.rank &&
-              each->active_ns < lower->active_ns))) {
-            lower = each;
-        }
-    }
-    bool old = idle && pel_now_ns() - idle->active_ns >= EVICT_IDLE_NS;
-    struct session *last = old ? idle : lower;
-    if (last) {
-        all->evicted++;
-        end_soon(last);
-    }
-    return last != NULL;
-}
-
-/* Whether the session's share of the places has one more: of those that are
- * logged in. */
-static bool find_place(struct session *self, struct pel_fault *fault)
-{
-    struct pel_sessions *all = self->all;
-    for (;;) {
-        struct pel_taken taken = { { 0 }, 0 };
-        for (guint i = 0; i < all->list->len; i++) {
-            const struct session *each = g_ptr_array_index(all->list, i);
-            if (each != self && each->transport == self->transport &&
-                !each->stranger && !each->ended) {
-                pel_taken_add(&taken, &self->who, &each->who, 1);
-            }
-        }
-        enum pel_share_answer share =
-            pel_share_ask(all->limits.sessions, &taken, &self->who, 1);
-        if (!share) {
-            return true;
-        }
-        if (!make_room(self, share)) {
-            all->refused[self->transport]++;
-            pel_fault_set(
-                fault, PEL_ERR_BUSY, "all %u sessions %s are taken",
-                (unsigned)(share == PEL_SHARE_TOKEN_FULL
-                               ? pel_share_of_token(all->limits.sessions,
-                                                    self->who.rank)
-                               : pel_share_of_rank(all->limits.sessions,
-                                                   self->who.rank)),
-                pel_share_words(share, self->who.rank));
-            return false;
-        }
-    }
-}
-
 /* False: the request is no Login, or one with a wrong token, or no place is
  * left for whom it names. */
 static bool admit(struct session *self, const Pelagos__Request *request,
@@ -269,7 +183,7 @@ static bool admit(struct session *self, const Pelagos__Request *request,
         self->who = pel_token_who(token, text, strlen(text));
         self->stranger = true;
         if (self->who.rank != PEL_RANK_NOBODY) {
-            self->stranger = !find_place(self, fault);
+            self->stranger = !pel_session_find_place(self, fault);
             return !self->stranger;
         }
     }
@@ -598,19 +512,6 @@ void pel_sessions_destroy(struct pel_sessions *all)
     }
 }
 
-/* Of the Unix socket and of TCP apart: neither keeps the other out. */
-static unsigned count_open(const struct pel_sessions *all,
-                           enum pel_transport transport, bool strangers)
-{
-    unsigned count = 0;
-    for (guint i = 0; i < all->list->len; i++) {
-        const struct session *each = g_ptr_array_index(all->list, i);
-        count += each->transport == transport && !each->ended &&
-                 each->stranger == strangers;
-    }
-    return count;
-}
-
 static void tune_tcp(int fd)
 {
     int on = 1, idle_s = 30, interval_s = 10, count = 3;
@@ -619,47 +520,6 @@ static void tune_tcp(int fd)
     setsockopt(fd, IPPROTO_TCP, TCP_KEEPIDLE, &idle_s, sizeof idle_s);
     setsockopt(fd, IPPROTO_TCP, TCP_KEEPINTVL, &interval_s, sizeof interval_s);
     setsockopt(fd, IPPROTO_TCP, TCP_KEEPCNT, &count, sizeof count);
-}
-
-/* The stranger that came first makes room. */
-static bool find_stranger_place(struct pel_sessions *all)
-{
-    struct session *oldest = NULL;
-    if (count_open(all, PEL_TRANSPORT_TCP, true) <
-        PEL_BOUND_SESSION_STRANGERS) {
-        return true;
-    }
-    for (guint i = 0; i < all->list->len; i++) {
-        struct session *each = g_ptr_array_index(all->list, i);
-        bool stranger = each->stranger && !each->ended;
-        if (stranger && (!oldest || each->active_ns < oldest->active_ns)) {
-            oldest = each;
-        }
-    }
-    if (oldest) {
-        all->evicted++;
-        end_soon(oldest);
-    }
-    return oldest != NULL;
-}
-
-bool pel_sessions_starved(struct pel_sessions *all)
-{
-    struct session *found = NULL;
-    for (guint i = 0; i < all->list->len; i++) {
-        struct session *each = g_ptr_array_index(all->list, i);
-        bool spare = each->transport == PEL_TRANSPORT_TCP && !each->ended &&
-                     each->who.rank >= PEL_RANK_WATCH;
-        bool better = !found || each->who.rank > found->who.rank ||
-                      (each->who.rank == found->who.rank &&
-                       each->active_ns < found->active_ns);
-        found = spare && better ? each : found;
-    }
-    if (found) {
-        all->evicted++;
-        end_soon(found);
-    }
-    return found != NULL;
 }
 
 bool pel_sessions_accept(struct pel_sessions *all, int fd,
@@ -672,14 +532,15 @@ bool pel_sessions_accept(struct pel_sessions *all, int fd,
     self->all = all;
     self->transport = transport;
     self->stranger = all->token && transport == PEL_TRANSPORT_TCP;
-    bool room = !all->stopped && (self->stranger ? find_stranger_place(all)
-                                                 : find_place(self, &fault));
+    bool room = !all->stopped &&
+                (self->stranger ? pel_sessions_find_stranger_place(all)
+                                : pel_session_find_place(self, &fault));
     if (!room) {
         g_free(self);
         pel_log_limited(&limit, PEL_LOG_WARNING, "NET-011",
                         "%s session refused: %u are open",
                         transport_names[transport],
-                        count_open(all, transport, false));
+                        pel_sessions_count(all, transport, false));
         size_t size = 0;
         uint8_t *data = pel_fault_reply(false, 0, &fault, &size);
         ssize_t sent = send(fd, data, size, MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -694,7 +555,7 @@ bool pel_sessions_accept(struct pel_sessions *all, int fd,
     self->jobs = g_ptr_array_new();
     self->active_ns = pel_now_ns();
     self->who.rank = self->stranger ? PEL_RANK_NOBODY : PEL_RANK_INSTRUCT;
-    self->unread.end = end_soon;
+    self->unread.end = pel_session_end_soon;
     self->unread.user = self;
     pel_outbox_init(&self->out);
     self->source = pel_fdsource_create(fd, G_IO_IN, session_run, self);
@@ -704,16 +565,6 @@ bool pel_sessions_accept(struct pel_sessions *all, int fd,
     g_ptr_array_add(all->list, self);
     all->accepted[transport]++;
     return true;
-}
-
-void pel_sessions_revoke(struct pel_sessions *all)
-{
-    for (guint i = 0; i < all->list->len; i++) {
-        struct session *each = g_ptr_array_index(all->list, i);
-        if (!pel_token_holds(all->token, &each->who)) {
-            end_soon(each);
-        }
-    }
 }
 
 void pel_sessions_stop(struct pel_sessions *all)

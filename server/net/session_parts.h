@@ -149,3 +149,18 @@ PEL_CHECK enum pel_err pel_session_start(struct session *self,
 
 /* Cancels those answers. */
 void pel_session_cancel(struct session *self);
+
+/* Ends the session at its next turn: it may be in the middle of one. */
+void pel_session_end_soon(void *session);
+
+/* session_places.c. Those of the Unix socket and of TCP are counted apart, so
+ * that neither keeps the other out. */
+unsigned pel_sessions_count(const struct pel_sessions *all,
+                            enum pel_transport transport, bool strangers);
+/* Whether the session's share of the places of those that are logged in has one
+ * more; a session that is idle or of a lower role may end for it. */
+PEL_CHECK bool pel_session_find_place(struct session *self,
+                                      struct pel_fault *fault);
+/* A place for a client without a token yet; the stranger that came first may
+ * end for it. */
+PEL_CHECK bool pel_sessions_find_stranger_place(struct pel_sessions *all);
