@@ -239,6 +239,30 @@ class Rtsp(Case):
         self.assertEqual(self.ask(others[0], OTHER), 503)
 
 
+class Soundings(Case):
+    def test_rasters_of_a_watcher_leave_places(self):
+        """As many rasters as a token may ask for; the instructor asks too."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        with open(os.path.join(folder.name, "flat.asc"), "w") as f:
+            f.write("ncols 50\nnrows 50\nxllcorner 5.1\nyllcorner 52.5\n"
+                    "cellsize 0.01\n" + "\n".join(["-9 " * 50] * 50))
+        path = "/v1/soundings?columns=512&rows=512&spacing="
+        with Daemon("--token-file", self.tokens, "--bathymetry",
+                    folder.name) as daemon:
+            daemon.token = TOKENS["instruct"]
+            self.assertEqual(daemon.patch({"seabed": {
+                "file": "flat.asc"}}).status, 200)
+            asked = [daemon.connect_http() for _ in range(48)]
+            for s in asked:
+                self.addCleanup(s.close)
+                s.sendall(head("GET", path + "50"))
+            refused = until("a share is taken", lambda: daemon.metrics().get(
+                "pelagos_shares_refused_total", 0))
+            self.assertGreater(refused, 0)
+            self.assertEqual(daemon.get(path + "1").status, 200)
+
+
 class Unread(Case):
     def test_slow_readers_of_health(self):
         """A client that asks for /healthz and reads nothing keeps nobody out."""

@@ -14,7 +14,8 @@ enum pel_claim_kind {
     PEL_CLAIM_PICTURES,  /* not drawn yet */
     PEL_CLAIM_SURFACES,  /* queries */
     PEL_CLAIM_OPTICS,    /* queries */
-    PEL_CLAIM_QUESTIONS, /* of spectra, the almanac, models, recordings */
+    PEL_CLAIM_QUESTIONS, /* of spectra, soundings, the almanac, models,
+                            recordings */
     PEL_CLAIM_UNREAD,    /* bytes of answers */
     PEL_CLAIM_KINDS,
 };

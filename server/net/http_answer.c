@@ -414,9 +414,11 @@ enum MHD_Result pel_http_send_soundings(struct client *client,
 {
     struct pel_fault fault;
     struct waiter *waiter = pel_http_wait_begin(client);
-    enum pel_err err = pel_scene_ask_soundings(client->server->context.scene,
-                                               answer->soundings, on_soundings,
-                                               waiter, &fault);
+    enum pel_err err = claim(waiter, PEL_CLAIM_QUESTIONS, &fault);
+    err = err ? err
+              : pel_scene_ask_soundings(client->server->context.scene,
+                                        answer->soundings, on_soundings, waiter,
+                                        &fault);
     pel_http_answer_finish(answer);
     return wait_on(client, waiter, err, &fault);
 }

@@ -10,7 +10,7 @@
 #include "scene/geodesy.h"
 #include "scene/scene_parts.h"
 
-#define MAX_WAITING 16
+#define MAX_WAITING 128
 
 /* In cells larger than the field's the shallowest node counts. */
 static void take_nodes(const struct pel_seabed *bed,
