@@ -187,6 +187,16 @@ def edits(daemon, waits, body=None):
     return run
 
 
+def behind_pictures(daemon):
+    """A watcher's questions beyond its share are answered behind pictures."""
+    text = asked(daemon, "instruct", "GET", "/metrics").body.decode()
+    name = 'pelagos_surface_processor_seconds_total{lane="'
+    used = {line.split('"')[1]: float(line.rsplit(" ", 1)[1])
+            for line in text.splitlines() if line.startswith(name)}
+    print(f"  surface, seconds of processor: {used}")
+    check(used["behind"] > 0, f"{used}")
+
+
 def under_flood(tokens, folder, name, attacks, body=None):
     """Each kind has a daemon of its own, whose longest dispatch it is."""
     with Daemon("--token-file", tokens, "--exercises", folder) as daemon:
@@ -195,6 +205,8 @@ def under_flood(tokens, folder, name, attacks, body=None):
         side_by_side(*(flood(daemon, *one) for one in attacks),
                      edits(daemon, waits, body))
         took, what = longest(daemon)
+        if any("/v1/surface" in one for one in attacks):
+            behind_pictures(daemon)
         waits.sort()
         print(f"  {name}: longest dispatch {took:.2f} ms ({what}); edits "
               f"{waits[len(waits) // 2]:.0f} ms, {waits[-1]:.0f} at most")

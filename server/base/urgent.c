@@ -151,7 +151,7 @@ enum pel_err pel_urgent_init(enum pel_realtime mode, bool *real,
     return PEL_OK;
 }
 
-static int64_t thread_cpu_ns(void)
+int64_t pel_thread_cpu_ns(void)
 {
     struct timespec used;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
@@ -164,7 +164,7 @@ void pel_urgent_begin(struct pel_urgent *self, enum pel_urgency priority)
         .priority = permitted ? (int)priority : 0,
         .credit_ns = PEL_URGENT_BURST_NS,
         .wall_ns = pel_now_ns(),
-        .cpu_ns = thread_cpu_ns(),
+        .cpu_ns = pel_thread_cpu_ns(),
     };
     self->real = self->priority > 0 && set_urgent(self->priority);
 }
@@ -186,10 +186,25 @@ void pel_urgent_account(struct pel_urgent *self)
     if (self->priority == 0) {
         return;
     }
-    bool may = pel_urgent_credit(self, pel_now_ns(), thread_cpu_ns());
+    bool may = pel_urgent_credit(self, pel_now_ns(), pel_thread_cpu_ns());
     if (may != self->real) {
         self->real = may ? set_urgent(self->priority) : !set_class(0);
     }
+}
+
+bool pel_allowance_has(struct pel_allowance *self, int64_t now_ns)
+{
+    double earned = (double)(now_ns - self->seen_ns) * self->share;
+    double left = (double)self->left_ns + earned, most = (double)self->burst_ns;
+    self->left_ns = (int64_t)(self->begun ? fmin(left, most) : most);
+    self->begun = true;
+    self->seen_ns = now_ns;
+    return self->left_ns > 0;
+}
+
+void pel_allowance_spend(struct pel_allowance *self, int64_t used_ns)
+{
+    self->left_ns -= used_ns;
 }
 
 /* --- a nudge -------------------------------------------------------------- */

@@ -48,6 +48,21 @@ void pel_urgent_account(struct pel_urgent *self);
 bool pel_urgent_credit(struct pel_urgent *self, int64_t wall_ns,
                        int64_t cpu_ns);
 
+/* What urgent threads may use of the processors for one kind of askers: `share`
+ * of a core, and a burst. Who spends more owes it. Plain functions; one thread
+ * at a time. */
+struct pel_allowance {
+    double share;
+    int64_t burst_ns;
+    int64_t left_ns, seen_ns; /* these and `begun`: the functions' own */
+    bool begun;
+};
+bool pel_allowance_has(struct pel_allowance *self, int64_t now_ns);
+void pel_allowance_spend(struct pel_allowance *self, int64_t used_ns);
+
+/* Processor time of the calling thread. */
+int64_t pel_thread_cpu_ns(void);
+
 /* Interrupts the cores where other threads of this process run; some
  * microseconds, 15 on a virtual machine. Any thread. */
 void pel_nudge(void);

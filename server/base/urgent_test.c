@@ -60,6 +60,25 @@ static void bursts_leave_the_share(void **state)
     assert_true(fabs(used_real * 1e-5 - PEL_URGENT_SHARE) < 0.01);
 }
 
+/* What is used beyond an allowance is owed. */
+static void allowances_are_shares(void **state)
+{
+    (void)state;
+    struct pel_allowance self = { .share = 0.1, .burst_ns = 5 * NS_MS };
+    int64_t now_ns = 1000000 * NS_MS, used_ns = 0;
+    for (int i = 0; i < 10000; i++, now_ns += NS_MS) {
+        if (pel_allowance_has(&self, now_ns)) {
+            used_ns += 7 * NS_MS;
+            pel_allowance_spend(&self, 7 * NS_MS);
+        }
+    }
+    assert_in_range(used_ns / NS_MS, 1000, 1000 + 5 + 7);
+    now_ns += 3600 * 1000 * NS_MS; /* no more than a burst is saved */
+    assert_true(pel_allowance_has(&self, now_ns));
+    pel_allowance_spend(&self, 5 * NS_MS);
+    assert_false(pel_allowance_has(&self, now_ns));
+}
+
 /* Atomic, since ThreadSanitizer does not see how GLib's pools wait. */
 static void *ask(void *out)
 {
@@ -187,6 +206,7 @@ int main(void)
         cmocka_unit_test(modest_threads_stay_real),
         cmocka_unit_test(greedy_threads_have_a_burst),
         cmocka_unit_test(bursts_leave_the_share),
+        cmocka_unit_test(allowances_are_shares),
         cmocka_unit_test(the_system_agrees),
         cmocka_unit_test(beats_while_clients_ask),
         cmocka_unit_test(real_time_needs_no_beat),

@@ -237,6 +237,8 @@ void pel_frames_get_stats(const struct pel_frames *frames,
                           struct pel_frames_stats *out)
 {
     *out = frames->stats;
+    pel_surface_pool_used(frames->surface_pool, &out->surfaces_urgent_ns,
+                          &out->surfaces_behind_ns);
     out->subscriptions = frames->subscription_count;
     const struct pel_snapshot *s = pel_shown_snapshot(frames);
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {

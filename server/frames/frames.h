@@ -234,9 +234,11 @@ struct pel_surface_wish {
     bool has_time;                   /* else the clock's, or a moment near it
                                       * that was prepared (prefetch.h) */
     double time_s;
-    bool moving;       /* accelerations too */
-    bool foam;         /* its share too */
-    const void *asker; /* whose next query may be predicted; NULL: none */
+    bool moving;        /* accelerations too */
+    bool foam;          /* its share too */
+    const void *asker;  /* whose next query may be predicted; NULL: none */
+    enum pel_rank rank; /* of who asks: from WATCH on little of the processors
+                         * is used before pictures (surface_pool.h) */
     const struct pel_surface_form *form; /* copied; NULL: samples alone */
     uint64_t frame; /* 0: the present state; else the surface, and where no time
                      * is given the moment, of this frame: one of the last 64
@@ -307,6 +309,8 @@ struct pel_frames_stats {
     uint64_t streams_left_out; /* of frames: too many pixels together */
     double live_megapixels;    /* of all live views */
     uint64_t surfaces, surfaces_prefetched; /* queries taken */
+    /* Of these, processor time before and behind the threads that draw. */
+    int64_t surfaces_urgent_ns, surfaces_behind_ns;
     double render_ms_median, render_ms_p95; /* of the last 256 views */
     double quality; /* scale of width and height of live views, 0.25..1 */
     double quality_wanted; /* that would hold their rate here */

@@ -502,6 +502,54 @@ static void few_points_do_not_wait_for_many(void **state)
     assert_true(place[MANY] <= MANY);
 }
 
+static int64_t urgent_ns(int64_t *behind_ns)
+{
+    struct pel_frames_stats stats;
+    pel_frames_get_stats(frames, &stats);
+    *behind_ns = stats.surfaces_behind_ns;
+    return stats.surfaces_urgent_ns;
+}
+
+/* Processor time before and behind the threads that draw, of eight queries of
+ * that rank. */
+static int64_t ask_eight(enum pel_rank rank, int64_t *behind_ns)
+{
+    enum { QUERIES = 8, POINTS = 10000 };
+    static struct pel_vec2 points[POINTS];
+    struct surface answers[QUERIES] = { 0 };
+    const struct pel_surface_wish wish = { .points_m = points,
+                                           .count = POINTS,
+                                           .has_time = true,
+                                           .time_s = 20,
+                                           .rank = rank };
+    int64_t behind_before_ns, before_ns = urgent_ns(&behind_before_ns);
+    for (int i = 0; i < QUERIES; i++) {
+        assert_int_equal(
+            pel_frames_surface(frames, &wish, take_surface, &answers[i], NULL),
+            PEL_OK);
+    }
+    for (int i = 0; i < QUERIES; i++) {
+        run_until(&answers[i].calls, 1);
+        assert_int_equal(answers[i].err, PEL_OK);
+    }
+    int64_t after_ns = urgent_ns(behind_ns);
+    *behind_ns -= behind_before_ns;
+    return after_ns - before_ns;
+}
+
+/* Whose questions do not steer leaves the processors to pictures, but for a
+ * burst and a fortieth of the time. */
+static void watchers_are_answered_behind_pictures(void **state)
+{
+    (void)state;
+    int64_t behind_ns;
+    assert_int_equal(ask_eight(PEL_RANK_NOBODY, &behind_ns), 0);
+    assert_true(behind_ns > 0);
+    assert_true(ask_eight(PEL_RANK_WATCH, &behind_ns) > 0);
+    assert_true(behind_ns > 0);
+    assert_true(ask_eight(PEL_RANK_INSTRUCT, &behind_ns) > 0);
+}
+
 /* --- numbers
  * ------------------------------------------------------------------------ */
 
@@ -593,6 +641,7 @@ int main(void)
         cmocka_unit_test(a_picture_has_a_set_s_memory),
         cmocka_unit_test(a_view_deleted_before_its_frame),
         cmocka_unit_test(surface_queries_are_answered),
+        cmocka_unit_test(watchers_are_answered_behind_pictures),
         cmocka_unit_test(few_points_do_not_wait_for_many),
         cmocka_unit_test(windows_know_their_ranks),
         cmocka_unit_test(destroying_answers_what_waits),

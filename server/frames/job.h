@@ -174,6 +174,7 @@ struct pel_surface_query {
     double time_s;
     bool moving;                            /* accelerations too */
     bool foam;                              /* its share too */
+    enum pel_rank rank;                     /* of who asks */
     size_t count, begun, answered, written; /* the last three: the pool's */
     struct pel_vec2 *points;
     struct pel_surface_sample *samples;

@@ -52,6 +52,10 @@ static void collect_devices(struct pel_frames *frames,
     }
 }
 
+#define SURFACE_HELP                                                           \
+    "Processor time of surface queries, before and behind the threads that "   \
+    "draw."
+
 void pel_frames_collect(void *user, struct pel_metrics_page *page)
 {
     struct pel_frames_stats s;
@@ -74,6 +78,12 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
             "Surface queries about now, answered for a moment that was "
             "prepared.",
             s.surfaces_prefetched);
+    pel_metric(page, "pelagos_surface_processor_seconds_total",
+               PEL_METRIC_COUNTER, SURFACE_HELP, "lane=\"urgent\"",
+               (double)s.surfaces_urgent_ns * 1e-9);
+    pel_metric(page, "pelagos_surface_processor_seconds_total",
+               PEL_METRIC_COUNTER, SURFACE_HELP, "lane=\"behind\"",
+               (double)s.surfaces_behind_ns * 1e-9);
     quantile(page, "pelagos_frames_render_seconds",
              "From submission to pixels, of the last 256 views.",
              "quantile=\"0.5\"", s.render_ms_median);

@@ -107,7 +107,8 @@ static double now(struct pel_frames *frames,
     const struct pel_snapshot *s = query->snapshot;
     double time_s = pel_shown_time(frames), next_s;
     int64_t begin_ns;
-    if (!wish->asker || s->mode != PEL_CLOCK_FREE || !(s->rate > 0) ||
+    if (!wish->asker || wish->rank >= PEL_RANK_WATCH ||
+        s->mode != PEL_CLOCK_FREE || !(s->rate > 0) ||
         !pel_snapshot_transforms(s)) {
         return time_s;
     }
@@ -188,6 +189,7 @@ enum pel_err pel_frames_surface(struct pel_frames *frames,
     query->time_s = wish->has_time ? wish->time_s : query->time_s;
     query->moving = wish->moving;
     query->foam = wish->foam;
+    query->rank = wish->rank;
     query->done = done;
     query->user = user;
     frames->surfaces[frames->surface_count++] = query;

@@ -1,5 +1,8 @@
 /* The threads that answer surface queries, in real time where that is
- * permitted (base/urgent.h). A large query is split among them. */
+ * permitted (base/urgent.h). A large query is split among them. They may use a
+ * third of their cores for those who may steer, a fortieth for watchers, and
+ * a burst of some milliseconds; what is asked beyond that, and by
+ * PEL_RANK_NOBODY, is answered behind the threads that draw. */
 #pragma once
 
 #include "frames/job.h"
@@ -18,8 +21,9 @@ PEL_CHECK enum pel_err pel_surface_pool_create(int cores,
  * millisecond, or one where they are written as JSON. */
 #define PEL_SURFACE_SLICE 128
 
-/* Any thread. Queries take turns, a slice each; every other slice is the first
- * of one that waits for its first, so that few points do not wait for many. */
+/* Any thread. Queries are answered one after the other; every other slice is
+ * of those who may steer, and of one that waits for its first, so that few
+ * points do not wait for many. */
 void pel_surface_pool_push(struct pel_surface_pool *self,
                            struct pel_surface_query *query);
 
@@ -31,6 +35,11 @@ void pel_surface_pool_prepare(struct pel_surface_pool *self,
                               const struct pel_snapshot *snapshot,
                               double time_s, bool moving,
                               const struct pel_box *of, int64_t begin_ns);
+
+/* Processor time that slices took so far, before and behind the threads that
+ * draw. Any thread. */
+void pel_surface_pool_used(struct pel_surface_pool *self, int64_t *urgent_ns,
+                           int64_t *behind_ns);
 
 /* Drops what waits, ends the work at hand, joins; false: not within 1 s, and
  * the threads are left alone. */

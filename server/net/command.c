@@ -209,7 +209,7 @@ static enum pel_err take_points(const Pelagos__SurfaceQuery *query,
 
 enum pel_err pel_command_surface(struct pel_frames *frames,
                                  const Pelagos__SurfaceQuery *query,
-                                 const void *asker,
+                                 const void *asker, enum pel_rank rank,
                                  const struct pel_surface_form *form,
                                  pel_surface_callback done, void *user,
                                  struct pel_fault *fault)
@@ -239,6 +239,7 @@ enum pel_err pel_command_surface(struct pel_frames *frames,
         .moving = query->has_acceleration && query->acceleration,
         .foam = query->has_foam && query->foam,
         .asker = asker,
+        .rank = rank,
         .form = form,
         .frame = query->has_frame ? query->frame : 0,
     };

@@ -33,13 +33,12 @@ enum pel_err pel_fault_value(struct pel_fault *fault, enum pel_err code,
 
 /* Checks a query (at most 10,000 points, each with both coordinates) and hands
  * it to pel_frames_surface as a query of `asker`'s, whose next query may be
- * predicted (NULL: none), to be answered in that form (NULL: samples). */
-PEL_CHECK enum pel_err pel_command_surface(struct pel_frames *frames,
-                                           const Pelagos__SurfaceQuery *query,
-                                           const void *asker,
-                                           const struct pel_surface_form *form,
-                                           pel_surface_callback done,
-                                           void *user, struct pel_fault *fault);
+ * predicted (NULL: none), and of that rank, to be answered in that form (NULL:
+ * samples). */
+PEL_CHECK enum pel_err pel_command_surface(
+    struct pel_frames *frames, const Pelagos__SurfaceQuery *query,
+    const void *asker, enum pel_rank rank, const struct pel_surface_form *form,
+    pel_surface_callback done, void *user, struct pel_fault *fault);
 
 /* Tests a spectrum query, the patch in it as any other, and asks the scene
  * (pel_scene_ask_spectrum). */

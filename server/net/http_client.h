@@ -1,6 +1,6 @@
 /* Internals of the HTTP server: connections as http_server.c keeps them,
- * answers as http_answer.c and http_picture.c send them. They know
- * libmicrohttpd; nothing else does. Control thread. */
+ * answers as http_answer.c, http_stream.c and http_picture.c send them. They
+ * know libmicrohttpd; nothing else does. Control thread. */
 #pragma once
 
 #include <netinet/in.h>

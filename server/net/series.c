@@ -283,9 +283,9 @@ static enum pel_err ask_it(struct pel_series_job *job,
     return optics ? pel_command_optics(all->frames,
                                        (Pelagos__OpticsQuery *)question,
                                        on_optics, asked, fault)
-                  : pel_command_surface(all->frames,
-                                        (Pelagos__SurfaceQuery *)question, NULL,
-                                        NULL, on_surface, asked, fault);
+                  : pel_command_surface(
+                        all->frames, (Pelagos__SurfaceQuery *)question, NULL,
+                        PEL_RANK_NOBODY, NULL, on_surface, asked, fault);
 }
 
 static enum pel_err ask_one(struct pel_series_job *job, struct pel_fault *fault)

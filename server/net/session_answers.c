@@ -327,7 +327,8 @@ static enum pel_err ask(struct job *job, const Pelagos__Request *request,
                                   fault);
     default:
         return pel_command_surface(frames, request->surface, job->session,
-                                   &form, on_surface, job, fault);
+                                   job->session->who.rank, &form, on_surface,
+                                   job, fault);
     }
 }
 
