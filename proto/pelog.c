@@ -174,8 +174,9 @@ enum pel_err pel_log_mend(struct pel_log_reader *reader, const void *data,
 static enum pel_err malformed(const struct pel_log_reader *reader,
                               const char *why, struct pel_fault *fault)
 {
-    return pel_fault_set(fault, PEL_ERR_MALFORMED, "entry %zu, at byte %zu, %s",
-                         reader->entries + 1, reader->at, why);
+    return pel_fault_set(fault, PEL_ERR_MALFORMED,
+                         "entry %zu, at byte %llu, %s", reader->entries + 1,
+                         (unsigned long long)reader->base + reader->at, why);
 }
 
 /* Whether a whole entry with this file's tag lies there. */
@@ -273,6 +274,40 @@ bool pel_log_skip(struct pel_log_reader *reader, const uint8_t **data,
     *size = length;
     reader->at += offset + length;
     return true;
+}
+
+size_t pel_log_entry_bytes(const struct pel_log_reader *reader)
+{
+    size_t offset, length, left = reader->size - reader->at;
+    const uint8_t *at = reader->data + reader->at;
+    if (reader->form < PEL_LOG_FORM) {
+        enum pel_wire next =
+            pel_wire_next(at, left, PEL_LOG_MAX_ENTRY, &offset, &length);
+        return offset > 0 && (next == PEL_WIRE_MESSAGE || next == PEL_WIRE_MORE)
+                   ? offset + length
+                   : 0;
+    }
+    length = left < PEL_LOG_FRAME_SIZE ||
+                     memcmp(at, reader->tag, sizeof reader->tag) != 0
+                 ? 0
+                 : get32(at + 8);
+    return length == 0 || length > PEL_LOG_MAX_ENTRY
+               ? 0
+               : PEL_LOG_FRAME_SIZE + length;
+}
+
+bool pel_log_last(const struct pel_log_reader *reader, size_t within,
+                  const uint8_t **data, size_t *size)
+{
+    for (size_t at = within < reader->size ? within : reader->size; at > 0;
+         at--) {
+        if (reader->data[at - 1] == TAG_FIRST && is_entry(reader, at - 1)) {
+            *data = reader->data + at - 1 + PEL_LOG_FRAME_SIZE;
+            *size = get32(reader->data + at - 1 + 8);
+            return true;
+        }
+    }
+    return false;
 }
 
 static bool goes_back(const struct pel_log_reader *reader,

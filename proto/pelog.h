@@ -47,6 +47,7 @@ struct pel_log_damage {
 struct pel_log_reader {
     const uint8_t *data;
     size_t size, at;
+    uint64_t base;    /* of a file's part: its bytes before `data` */
     unsigned form;    /* 1: without checksums */
     uint8_t tag[4];   /* of this file's entries */
     uint32_t number;  /* of the next entry, of one that mends */
@@ -85,6 +86,15 @@ PEL_CHECK enum pel_err pel_log_next(struct pel_log_reader *reader,
 /* Passes over one entry, whose bytes are *data; false: the end, or damage. */
 bool pel_log_skip(struct pel_log_reader *reader, const uint8_t **data,
                   size_t *size);
+
+/* How many bytes the next entry has, with what is before it, by what of it is
+ * there; 0: it is none, or too little of it is there to tell. */
+size_t pel_log_entry_bytes(const struct pel_log_reader *reader);
+
+/* The last whole entry that begins within the first `within` bytes, found by
+ * the tag of a log with checksums; false: there is none. */
+bool pel_log_last(const struct pel_log_reader *reader, size_t within,
+                  const uint8_t **data, size_t *size);
 
 /* --- writing -------------------------------------------------------------- */
 

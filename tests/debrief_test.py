@@ -3,6 +3,7 @@
 again, bit for bit, while the live ones go on."""
 import json
 import os
+import struct
 import subprocess
 import sys
 import tempfile
@@ -10,7 +11,7 @@ import threading
 
 from live_client import Live
 from modbus_test import check
-from pelagos_daemon import BIN, Daemon, until
+from pelagos_daemon import BIN, SANITIZED, Daemon, until
 
 SIZE = {"width": 160, "height": 90, "up": 12}
 
@@ -286,6 +287,76 @@ def many_segments(daemon, folder):
     print(f"  {len(files)} segments", flush=True)
 
 
+def varint(n):
+    out = b""
+    while n > 127:
+        out += bytes([n & 127 | 128])
+        n >>= 7
+    return out + bytes([n])
+
+
+def long_log(source, path, mib):
+    """The head of a log, and steps of 64 KiB each (a field that nobody knows),
+    in the form without checksums."""
+    with open(source, "rb") as f:
+        data = f.read()
+    length = struct.unpack_from("<I", data, 40)[0]
+    head = data[48:48 + length]
+    rest = varint(1000 << 3 | 2) + varint(65536) + b"p" * 65536
+    with open(path, "wb") as f:
+        f.write(b"PELOG1\r\n" + varint(len(head)) + head)
+        for k in range(16 * mib):
+            t = struct.pack("<d", 100 + (k + 1) / 64)
+            entry = b"\x09" + t + b"\x2a\x09\x11" + t + rest
+            f.write(varint(len(entry)) + entry)
+
+
+def most_resident(daemon, reset=False):
+    """The most that was resident since the last reset, in MB."""
+    if reset:
+        with open(f"/proc/{daemon.process.pid}/clear_refs", "w") as f:
+            f.write("5")
+    with open(f"/proc/{daemon.process.pid}/status") as f:
+        return next(int(line.split()[1]) for line in f
+                    if line.startswith("VmHWM")) * 1024e-6
+
+
+def long_segment():
+    """Listing, opening and going to and fro take a window of the log and the
+    second renderer (95 MB here), however long the log is: it was twice the
+    log beside that."""
+    with tempfile.TemporaryDirectory(prefix="pelagos-long-") as folder:
+        with Daemon("--recordings", folder) as daemon:
+            daemon.patch({"clock": {"mode": "STEPPED", "time": 100},
+                          "views": {"bridge": SIZE}})
+            record(daemon, start="short")
+            record(daemon, stop=True)
+            short = os.path.join(folder, "short.pelog")
+            long_log(short, os.path.join(folder, "long.pelog"), 200)
+            os.remove(short)
+            picture(daemon)
+            before = most_resident(daemon, reset=True)
+            listed = daemon.get("/v1/recordings").json()["recordings"][0]
+            check(listed["to"] == 150, f"{listed}")
+            by_list = most_resident(daemon)
+            check(opened(daemon, "long.pelog")["length"] == 50, "its length")
+            picture(daemon, "/debrief")
+            for position in (40, 7, 45):
+                at(daemon, position=position)
+                daemon.get("/v1/recordings")
+            picture(daemon, "/debrief")
+            most = most_resident(daemon)
+            debrief(daemon, close=True)
+            settled(daemon)
+            print(f"  {before:.0f} MB, {by_list:.0f} with a list, "
+                  f"{most:.0f} with a debrief of 210 MB", flush=True)
+            if not SANITIZED:
+                check(by_list - before < 30, "a list reads no logs")
+                check(most - before < 160, "a debrief reads by a window")
+                until("what a debrief took goes back",
+                      lambda: daemon.rss() / 1e6 < before + 30)
+
+
 def control_never_waits(daemon):
     """Opening, going and closing: nothing in the control thread's loop took
     its time for the debrief."""
@@ -323,6 +394,8 @@ def main():
         finally:
             status = daemon.stop()
         check(status == 0, "an orderly end")
+    print("== a long segment", flush=True)
+    long_segment()
     print("== without a place", flush=True)
     without_a_place()
 

@@ -84,31 +84,29 @@ static bool look_at(const char *path, struct pel_recording_segment *out)
     return is;
 }
 
+enum pel_err pel_recording_open(const struct pel_recording_segment *s,
+                                struct pel_logfile **out,
+                                struct pel_fault *fault)
+{
+    *out = NULL;
+    if (s->bytes > PEL_RECORDING_SEGMENT_BYTES) {
+        return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                             "%.160s has more than %zu bytes", s->path,
+                             PEL_RECORDING_SEGMENT_BYTES);
+    }
+    return pel_logfile_open(s->path, out, fault);
+}
+
 /* Time of the last whole entry. */
 static enum pel_err find_end(const struct pel_recording_segment *s, double *out,
                              struct pel_fault *fault)
 {
-    char *bytes = NULL;
-    struct pel_log_reader reader;
-    const uint8_t *last = NULL;
-    size_t size = 0, last_size = 0;
-    enum pel_err err = pel_file_read(s->path, PEL_RECORDING_SEGMENT_BYTES,
-                                     &bytes, &size, fault);
-    if (err) {
-        return err;
+    struct pel_logfile *log;
+    enum pel_err err = pel_recording_open(s, &log, fault);
+    if (!err) {
+        err = pel_logfile_last(log, out, fault);
+        pel_logfile_close(log);
     }
-    err = pel_log_open(&reader, bytes, size, fault);
-    while (!err && pel_log_skip(&reader, &last, &last_size)) {
-    }
-    Pelagos__LogEntry *entry =
-        last ? pelagos__log_entry__unpack(NULL, last_size, last) : NULL;
-    if (entry && entry->has_time) {
-        *out = entry->time;
-    }
-    if (entry) {
-        pelagos__log_entry__free_unpacked(entry, NULL);
-    }
-    free(bytes);
     return err;
 }
 

@@ -7,9 +7,9 @@
 #include <stdint.h>
 
 #include "base/err.h"
+#include "scene/logfile.h"
 
-/* What of a log may be in memory at once, and how many of them a recording may
- * have. */
+/* Of a log, and of all of a recording, to be played. */
 #define PEL_RECORDING_SEGMENT_BYTES ((size_t)256 << 20)
 #define PEL_RECORDING_BYTES ((uint64_t)1 << 30)
 #define PEL_RECORDING_SUFFIX ".pelog" /* of the file of one begun by name */
@@ -55,3 +55,9 @@ PEL_CHECK enum pel_err pel_recording_find(const char *directory,
                                           struct pel_recording *out,
                                           struct pel_fault *fault);
 void pel_recording_finish(struct pel_recording *recording);
+
+/* The log of a segment; OUT_OF_RANGE: it is longer than
+ * PEL_RECORDING_SEGMENT_BYTES; else as pel_logfile_open. */
+PEL_CHECK enum pel_err
+pel_recording_open(const struct pel_recording_segment *segment,
+                   struct pel_logfile **out, struct pel_fault *fault);

@@ -2,12 +2,9 @@
 
 #include <glib.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/clock.h"
-#include "base/file.h"
-#include "pelog.h"
 
 #define MOST_AT_ONCE_S 5.0        /* a ship steps through the sea */
 #define KEEP_AFTER_NS 150000000LL /* of work since the last still */
@@ -28,7 +25,7 @@ struct place {
 struct kept {
     struct pel_replay_moment at;
     size_t segment;
-    struct pel_log_reader reader;
+    struct pel_logfile_place place;
     struct pel_still still;
 };
 
@@ -41,9 +38,8 @@ struct pel_replay {
     GArray *stretches;    /* of struct stretch */
     struct place *places; /* of each segment */
     size_t commands;
-    char *bytes; /* of the segment at hand; NULL: none */
+    struct pel_logfile *log; /* of the segment at hand; NULL: none */
     size_t segment;
-    struct pel_log_reader reader;
     Pelagos__LogEntry *next; /* read and not done yet; NULL: none */
     struct pel_replay_moment at;
     struct kept kept[PEL_REPLAY_STILLS];
@@ -85,8 +81,8 @@ static void drop_segment(struct pel_replay *r)
         pelagos__log_entry__free_unpacked(r->next, NULL);
     }
     r->next = NULL;
-    free(r->bytes);
-    r->bytes = NULL;
+    pel_logfile_close(r->log);
+    r->log = NULL;
 }
 
 static enum pel_err damaged(const struct pel_replay *r, enum pel_err err,
@@ -102,10 +98,10 @@ static enum pel_err damaged(const struct pel_replay *r, enum pel_err err,
 static enum pel_err read_next(struct pel_replay *r, struct pel_fault *fault)
 {
     struct pel_fault why;
-    if (r->next || !r->bytes) {
+    if (r->next || !r->log) {
         return PEL_OK;
     }
-    enum pel_err err = pel_log_next(&r->reader, &r->next, &why);
+    enum pel_err err = pel_logfile_next(r->log, &r->next, &why);
     return err ? damaged(r, err, &why, fault) : PEL_OK;
 }
 
@@ -144,21 +140,16 @@ static bool is_segment(const struct pel_replay *r,
            g_strcmp0(head->recording, s->recording) == 0;
 }
 
-/* Reads the file; its head is r->next. */
+/* Opens the file; its head is r->next. */
 static enum pel_err load(struct pel_replay *r, size_t i,
                          struct pel_fault *fault)
 {
     const struct pel_recording_segment *s = &r->recording.segments[i];
     for (int again = 0;; again++) {
         struct pel_fault why;
-        size_t size = 0;
         drop_segment(r);
         r->segment = i;
-        enum pel_err err = pel_file_read(s->path, PEL_RECORDING_SEGMENT_BYTES,
-                                         &r->bytes, &size, &why);
-        if (!err) {
-            err = pel_log_open(&r->reader, r->bytes, size, &why);
-        }
+        enum pel_err err = pel_recording_open(s, &r->log, &why);
         if (err && (again > 0 || err != PEL_ERR_NOT_FOUND)) {
             return damaged(r, err, &why, fault);
         }
@@ -265,8 +256,9 @@ static enum pel_err read_segment(struct pel_replay *r, size_t i,
             r->places[i] = (struct place){ at, r->commands };
         }
         r->commands++;
-        if (r->reader.time_s != e->time) {
-            begin_stretch(r, r->reader.time_s);
+        double now_s = pel_logfile_place(r->log).time_s;
+        if (now_s != e->time) {
+            begin_stretch(r, now_s);
         }
         pelagos__log_entry__free_unpacked(r->next, NULL);
         r->next = NULL;
@@ -397,8 +389,8 @@ static enum pel_err do_next(struct pel_replay *r, struct pel_fault *fault)
     r->next = NULL;
     if (err && !(r->stop && atomic_load(r->stop))) {
         struct pel_fault at;
-        pel_fault_set(&at, err, "entry %zu: %.160s", r->reader.entries,
-                      why.message);
+        pel_fault_set(&at, err, "entry %zu: %.160s",
+                      pel_logfile_place(r->log).entries, why.message);
         return damaged(r, err, &at, fault);
     }
     return err ? stopped(r, fault) : PEL_OK;
@@ -408,7 +400,7 @@ static enum pel_err do_next(struct pel_replay *r, struct pel_fault *fault)
 static bool is_due(const struct pel_replay *r, struct pel_replay_moment to)
 {
     const Pelagos__LogEntry *e = r->next;
-    bool sets_clock = r->reader.time_s != e->time;
+    bool sets_clock = pel_logfile_place(r->log).time_s != e->time;
     return order(moment_of(r->at, e), to) <= 0 &&
            (!sets_clock || r->at.stretch < to.stretch);
 }
@@ -449,14 +441,14 @@ static void keep(struct pel_replay *r)
     struct kept *k = &r->kept[r->kept_count++];
     k->at = r->at;
     k->segment = r->segment;
-    k->reader = r->reader;
+    k->place = pel_logfile_place(r->log);
     pel_still_take(r->scene, &k->still);
 }
 
 static enum pel_err go_on_from(struct pel_replay *r, const struct kept *k,
                                struct pel_fault *fault)
 {
-    if (!r->bytes || r->segment != k->segment) {
+    if (!r->log || r->segment != k->segment) {
         enum pel_err err = load(r, k->segment, fault);
         if (err) {
             return err;
@@ -466,10 +458,7 @@ static enum pel_err go_on_from(struct pel_replay *r, const struct kept *k,
         pelagos__log_entry__free_unpacked(r->next, NULL);
         r->next = NULL;
     }
-    r->reader.at = k->reader.at;
-    r->reader.entries = k->reader.entries;
-    r->reader.time_s = k->reader.time_s;
-    r->reader.torn = false;
+    pel_logfile_go(r->log, k->place);
     r->at = k->at;
     struct pel_still still = pel_still_copy(&k->still);
     pel_scene_show_still(r->scene, &still);
@@ -485,7 +474,7 @@ static enum pel_err begin_before(struct pel_replay *r,
     const struct kept *from = NULL;
     struct pel_replay_moment best = { 0, -INFINITY };
     size_t head = 0;
-    bool here = r->bytes && order(r->at, to) <= 0;
+    bool here = r->log && order(r->at, to) <= 0;
     for (size_t i = 0; i < r->recording.count; i++) {
         if (order(r->places[i].at, to) <= 0) {
             head = i;

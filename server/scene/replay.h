@@ -1,8 +1,8 @@
 /* A recording played without a daemon: the state of any of its moments, bit
  * for bit as it was. One thread at a time, and not the control thread: it
- * reads files and builds seas. Its memory is bounded: a segment of the log, and
- * PEL_REPLAY_STILLS states on the way, from which it goes on when it is led
- * back. */
+ * reads files and builds seas. Its memory is bounded: a window of the log
+ * (scene/logfile.h), and PEL_REPLAY_STILLS states on the way, from which it
+ * goes on when it is led back. */
 #pragma once
 
 #include <stdatomic.h>
