@@ -15,9 +15,13 @@ import sys
 import tempfile
 import time
 import unittest
+import warnings
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import BIN, SLOW_S, Daemon, until
+from pelagos_daemon import BIN, ROOT, SLOW_S, Daemon, Session, until
+
+sys.path.insert(0, os.path.join(ROOT, "clients/python"))
+from pelagos import Notice, Ocean
 
 KILLS = int(os.environ.get("KILLS", "25"))
 
@@ -189,6 +193,41 @@ class Notices(unittest.TestCase):
             self.assertIsNone(edit({"ownShip": {"on": True},
                                     "entities": {"1": {"speed": 4}}}))
             self.assertTrue(daemon.state()["ownShip"]["on"])
+
+    def test_every_way_says_it(self):
+        """The protobuf port, pelagosctl, Python and the log say what HTTP
+        says."""
+        with Daemon(unix=True) as daemon:
+            def on():
+                daemon.patch({"ownShip": {"on": True}})
+            on()
+            words = daemon.patch({"entities": {"1": {"speed": 5}}}).headers[
+                "X-Pelagos-Notice"]
+            logged = [line for line in daemon.log().splitlines()
+                      if "SCN-035" in line]
+            self.assertEqual(len(logged), 1)
+            self.assertIn(words, logged[0])
+            on()
+            with Session(daemon.connect_tcp()) as session:
+                speed = {"state": {"entities": [{"id": 1, "speed": 5}]}}
+                self.assertEqual(session.ask(patch=speed).notice, words)
+                self.assertFalse(session.ask(patch=speed).HasField("notice"))
+            on()
+            for said in (f"pelagosctl: {words}\n", ""):
+                done = subprocess.run(
+                    [os.path.join(BIN, "pelagosctl"), "--server",
+                     f"unix:{daemon.unix_path}", "set", "entities.1.speed=4"],
+                    capture_output=True, text=True, check=True)
+                self.assertEqual(done.stderr, said)
+            on()
+            with Ocean(daemon.url("")) as ocean:
+                with warnings.catch_warnings(record=True) as caught:
+                    warnings.simplefilter("always")
+                    ocean.entities[1]["speed"] = 3
+                    ocean.entities[1]["speed"] = 4
+                self.assertEqual([(w.category, str(w.message), w.filename)
+                                  for w in caught],
+                                 [(Notice, words, __file__)])
 
 
 class Start(unittest.TestCase):

@@ -9,11 +9,14 @@
 #include "stream.h"
 #include "token.h"
 
+#define PEL_CLIENT_NOTICE 256
+
 struct pel_client {
     struct stream stream;
     char *address;
     int timeout_ms;
     uint64_t last_id;
+    char notice[PEL_CLIENT_NOTICE];
     uint64_t watch_id;       /* 0: not watching */
     Pelagos__State *watched; /* newest that nobody has taken yet, or NULL */
 };
@@ -280,9 +283,11 @@ static enum pel_client_code call_for_state(struct pel_client *client,
                                            struct pel_client_error *error)
 {
     Pelagos__Reply *reply = NULL;
+    client->notice[0] = '\0';
     enum pel_client_code code =
         call(client, request, PELAGOS__REPLY__RESULT_STATE, &reply, error);
     if (code == PEL_CLIENT_OK) {
+        copy_text(client->notice, sizeof client->notice, reply->notice);
         if (out) {
             *out = take_state(reply);
         }
@@ -323,6 +328,11 @@ enum pel_client_code pel_client_patch(struct pel_client *client,
     request.command_case = PELAGOS__REQUEST__COMMAND_PATCH;
     request.patch = (Pelagos__Patch *)patch;
     return call_for_state(client, &request, out, error);
+}
+
+const char *pel_client_notice(const struct pel_client *client)
+{
+    return client->notice;
 }
 
 enum pel_client_code pel_client_frame(struct pel_client *client,

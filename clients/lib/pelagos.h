@@ -115,6 +115,10 @@ PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_patch(struct pel_client *client, const Pelagos__Patch *patch,
                  Pelagos__State **out, struct pel_client_error *error);
 
+/* What the last edit switched off without having been asked to, in a sentence;
+ * "": nothing. Until the client's next call. */
+PEL_CLIENT_API const char *pel_client_notice(const struct pel_client *client);
+
 /* One picture. (*out)->data holds a whole JPEG, PNG or EXR file. */
 PEL_CLIENT_API PEL_CLIENT_CHECK enum pel_client_code
 pel_client_frame(struct pel_client *client,

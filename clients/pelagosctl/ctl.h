@@ -89,6 +89,10 @@ struct pel_fault;
 enum ctl_exit ctl_report_fault(struct ctl *ctl, const struct pel_fault *fault);
 /* Connects to --server; every other command of the client follows. */
 enum ctl_exit ctl_connect(struct ctl *ctl);
+/* Sends the patch and says on standard error what it switched off besides;
+ * *out (NULL allowed): the state after it. */
+enum ctl_exit ctl_patch(struct ctl *ctl, const Pelagos__Patch *patch,
+                        Pelagos__State **out);
 /* ctl_connect and the state. */
 enum ctl_exit ctl_fetch(struct ctl *ctl, Pelagos__State **out);
 

@@ -112,14 +112,6 @@ static char *patch_of(const Pelagos__State *state)
     return g_string_free(parts.text, FALSE);
 }
 
-static enum ctl_exit send(struct ctl *ctl, const Pelagos__Patch *patch)
-{
-    struct pel_client_error error;
-    return pel_client_patch(ctl->client, patch, NULL, &error)
-               ? ctl_report(ctl, &error)
-               : CTL_DONE;
-}
-
 static enum ctl_exit save(struct ctl *ctl, const Pelagos__State *state,
                           const char *name)
 {
@@ -134,7 +126,7 @@ static enum ctl_exit save(struct ctl *ctl, const Pelagos__State *state,
     only.n_presets = 1;
     only.presets = &presets;
     patch.state = &only;
-    return send(ctl, &patch);
+    return ctl_patch(ctl, &patch, NULL);
 }
 
 /* --- apply, delete -------------------------------------------------------- */
@@ -153,7 +145,7 @@ static enum ctl_exit apply(struct ctl *ctl, const Pelagos__State *state,
     if (pel_json_merge_patch(text, strlen(text), &patch, &fault)) {
         return ctl_report_fault(ctl, &fault);
     }
-    status = send(ctl, patch);
+    status = ctl_patch(ctl, patch, NULL);
     pelagos__patch__free_unpacked(patch, NULL);
     return status;
 }
@@ -170,7 +162,7 @@ static enum ctl_exit forget(struct ctl *ctl, const Pelagos__State *state,
     Pelagos__Patch patch = PELAGOS__PATCH__INIT;
     patch.n_remove = 1;
     patch.remove = &path;
-    return send(ctl, &patch);
+    return ctl_patch(ctl, &patch, NULL);
 }
 
 enum ctl_exit ctl_preset(struct ctl *ctl)

@@ -145,11 +145,7 @@ static enum ctl_exit set_clock(struct ctl *ctl, Pelagos__ClockMode mode,
     state.clock = &clock;
     Pelagos__Patch patch = PELAGOS__PATCH__INIT;
     patch.state = &state;
-    struct pel_client_error error;
-    if (pel_client_patch(ctl->client, &patch, NULL, &error)) {
-        return ctl_report(ctl, &error);
-    }
-    return CTL_DONE;
+    return ctl_patch(ctl, &patch, NULL);
 }
 
 /* play, with the clock at the log's speed and as it was afterwards. */

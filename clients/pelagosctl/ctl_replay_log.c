@@ -94,11 +94,9 @@ static enum ctl_exit send_patch(struct play *play, Pelagos__Patch *patch)
         patch->state->clock->has_mode = 1;
         patch->state->clock->mode = PELAGOS__CLOCK_MODE__STEPPED;
     }
-    struct pel_client_error error;
     Pelagos__State *now = NULL;
-    enum ctl_exit status = CTL_DONE;
-    if (pel_client_patch(play->ctl->client, patch, &now, &error)) {
-        status = ctl_report(play->ctl, &error);
+    enum ctl_exit status = ctl_patch(play->ctl, patch, &now);
+    if (status != CTL_DONE) {
         ctl_print(stderr, "  entry %zu of %s\n", play->reader.entries,
                   play->name);
     } else {

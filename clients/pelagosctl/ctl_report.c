@@ -266,6 +266,17 @@ enum ctl_exit ctl_connect(struct ctl *ctl)
     return CTL_DONE;
 }
 
+enum ctl_exit ctl_patch(struct ctl *ctl, const Pelagos__Patch *patch,
+                        Pelagos__State **out)
+{
+    struct pel_client_error error;
+    if (pel_client_patch(ctl->client, patch, out, &error)) {
+        return ctl_report(ctl, &error);
+    }
+    const char *notice = pel_client_notice(ctl->client);
+    return *notice ? ctl_say(CTL_DONE, "%s", notice) : CTL_DONE;
+}
+
 enum ctl_exit ctl_fetch(struct ctl *ctl, Pelagos__State **out)
 {
     enum ctl_exit status = ctl_connect(ctl);

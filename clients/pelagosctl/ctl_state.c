@@ -106,9 +106,9 @@ static enum ctl_exit send_patch(struct ctl *ctl, const Pelagos__Patch *patch,
                                 char *const *paths)
 {
     Pelagos__State *state = NULL;
-    struct pel_client_error error;
-    if (pel_client_patch(ctl->client, patch, &state, &error)) {
-        return ctl_report(ctl, &error);
+    enum ctl_exit status = ctl_patch(ctl, patch, &state);
+    if (status != CTL_DONE) {
+        return status;
     }
     if (!ctl_flag(ctl, "quiet")) {
         struct ctl_leaves leaves = ctl_flatten(state);

@@ -87,7 +87,6 @@ static enum ctl_exit send(struct ctl *ctl, const char *path, const char *json,
                           double *first_s, double *last_s)
 {
     struct pel_fault fault;
-    struct pel_client_error error;
     Pelagos__Patch *patch = NULL;
     if (pel_json_merge_patch(json, strlen(json), &patch, &fault)) {
         ctl_say(CTL_FAILED, "%s: is not a list of waypoints", path);
@@ -100,9 +99,7 @@ static enum ctl_exit send(struct ctl *ctl, const char *path, const char *json,
     } else {
         *first_s = view->waypoints[0]->time;
         *last_s = view->waypoints[view->n_waypoints - 1]->time;
-        status = pel_client_patch(ctl->client, patch, NULL, &error)
-                     ? ctl_report(ctl, &error)
-                     : CTL_DONE;
+        status = ctl_patch(ctl, patch, NULL);
     }
     pelagos__patch__free_unpacked(patch, NULL);
     return status;

@@ -11,6 +11,7 @@
 #include "net/surfacewire.h"
 #include "scene/almanac.h"
 #include "scene/catalogue.h"
+#include "scene/edit.h"
 #include "scene/led.h"
 #include "wire.h"
 
@@ -72,11 +73,13 @@ void pel_session_send_fault(struct session *self, bool has_id, uint64_t id,
     send_bytes(self, data, size);
 }
 
-/* A reply that is a message of its own, of that case. */
-static void send_message(struct session *self, bool has_id, uint64_t id,
-                         Pelagos__Reply__ResultCase which, const void *message)
+/* notice: of an edit, or NULL. */
+static void send_noticed(struct session *self, bool has_id, uint64_t id,
+                         Pelagos__Reply__ResultCase which, const void *message,
+                         char *notice)
 {
     Pelagos__Reply reply = PELAGOS__REPLY__INIT;
+    reply.notice = notice;
     reply.has_id = has_id;
     reply.id = id;
     reply.result_case = which;
@@ -87,12 +90,26 @@ static void send_message(struct session *self, bool has_id, uint64_t id,
     send_bytes(self, data, size);
 }
 
-void pel_session_send_state(struct session *self, bool has_id, uint64_t id)
+/* A reply that is a message of its own, of that case. */
+static void send_message(struct session *self, bool has_id, uint64_t id,
+                         Pelagos__Reply__ResultCase which, const void *message)
+{
+    send_noticed(self, has_id, id, which, message, NULL);
+}
+
+static void send_edited(struct session *self, bool has_id, uint64_t id,
+                        char *notice)
 {
     Pelagos__State state;
     pel_role_seen(pel_role_of_rank(self->who.rank),
                   pel_scene_state(self->all->scene), &state);
-    send_message(self, has_id, id, PELAGOS__REPLY__RESULT_STATE, &state);
+    send_noticed(self, has_id, id, PELAGOS__REPLY__RESULT_STATE, &state,
+                 notice);
+}
+
+void pel_session_send_state(struct session *self, bool has_id, uint64_t id)
+{
+    send_edited(self, has_id, id, NULL);
 }
 
 /* The state packed, for all of a rank who watch: as old as the last one that
@@ -409,8 +426,9 @@ static void on_edit(void *user, enum pel_err err, const struct pel_fault *fault)
     struct job *job = user;
     struct session *self = owed(job, err, fault);
     if (self) {
-        pel_session_send_state(self, job->has_id, job->id);
+        send_edited(self, job->has_id, job->id, job->notice);
     }
+    g_free(job->notice);
     g_free(job);
 }
 
@@ -430,6 +448,9 @@ void pel_session_patch(struct session *self, const Pelagos__Request *request)
 {
     const struct pel_scene_wish wish = { .patch = request->patch };
     struct job *job = owe(self, request);
+    char notice[PEL_NOTICE];
+    pel_state_notice(pel_scene_state(self->all->scene), request->patch, notice);
+    job->notice = notice[0] ? g_strdup(notice) : NULL;
     pel_scene_submit(self->all->scene, &wish, on_edit, job);
 }
 

@@ -33,6 +33,7 @@ struct job {
     bool of_debrief;
     uint64_t picture_id;
     struct pel_claim claim;
+    char *notice; /* Reply.notice of an edit, or NULL; on_edit frees it */
 };
 
 struct session {

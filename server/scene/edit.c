@@ -604,12 +604,15 @@ void pel_state_notice(const Pelagos__State *from, const Pelagos__Patch *patch,
 {
     const Pelagos__State *brought = patch->state;
     out[0] = '\0';
-    for (size_t i = 0; brought && i < brought->n_entities && !out[0]; i++) {
+    if (!brought || !pel_helm_any(from)) {
+        return;
+    }
+    for (size_t i = 0; i < brought->n_entities && !out[0]; i++) {
         const Pelagos__Entity *with = brought->entities[i];
-        const Pelagos__Entity *is = meant(from, with);
+        const Pelagos__Entity *is =
+            touches_pose(with) ? meant(from, with) : NULL;
         const Pelagos__OwnShip *helm = is ? pel_helm_on(from, is) : NULL;
-        if (helm && touches_pose(with) &&
-            !says_on(brought, with, helm == from->own_ship)) {
+        if (helm && !says_on(brought, with, helm == from->own_ship)) {
             char path[PEL_HELM_PATH];
             pel_helm_path(from, is->id, path);
             snprintf(out, PEL_NOTICE,

@@ -464,7 +464,9 @@ enum pel_err pel_scene_commit(struct pel_scene *scene, Pelagos__State *next,
                               int64_t now_ns, struct pel_fault *fault)
 {
     const struct pel_sailing *going[PEL_MAX_ENTITIES];
+    char notice[PEL_NOTICE];
     ships_going_on(scene, next, going);
+    pel_state_notice(scene->state, patch, notice);
     enum pel_err err = pel_scene_refuse_led(scene, fault);
     if (!err) {
         err = commit(scene, next, patch, time_s, going, ready, fault);
@@ -472,6 +474,10 @@ enum pel_err pel_scene_commit(struct pel_scene *scene, Pelagos__State *next,
     if (err) {
         pelagos__state__free_unpacked(next, NULL);
         return err;
+    }
+    if (notice[0]) {
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_INFO, "SCN-035", "%s", notice);
     }
     pel_missing_edited(&scene->missing, patch);
     set_clock(scene, next->clock, time_s, now_ns);

@@ -17,8 +17,8 @@ from .camera import (EARTH_RADIUS, STANDARD_REFRACTION, Camera, Horizon,
 from .client import Ocean
 from .coco import Coco, positions_csv, shot
 from .errors import (BadPicture, Busy, Conflict, Forbidden, Internal, Invalid,
-                     Malformed, MissingPackage, NotFound, OutOfRange, PelagosError,
-                     ProtocolError, Refused, TimedOut, Unauthorized,
+                     Malformed, MissingPackage, NotFound, Notice, OutOfRange,
+                     PelagosError, ProtocolError, Refused, TimedOut, Unauthorized,
                      Unreachable)
 from .exr import Exr, read_exr
 from .frame import Frame
@@ -46,7 +46,7 @@ __all__ = [
     "Horizon", "Internal", "Intrinsics", "Invalid", "LabelledEntity", "Labels",
     "LAYERS", "Light", "LightSector", "LiveFrame", "LiveStream", "Local",
     "LookAt", "Malformed", "MissingPackage", "Model", "MODEL_CLASSES", "ModelInfo",
-    "Models", "NotFound", "Ocean", "Optics", "Orbit", "Origin", "OutOfRange", "OwnShip",
+    "Models", "NotFound", "Notice", "Ocean", "Optics", "Orbit", "Origin", "OutOfRange", "OwnShip",
     "PelagosError", "Place", "positions_csv", "Preset", "ProtocolError", "Radar", "read_exr",
     "Refused", "Satellite", "Sea", "Seabed", "Searchlight", "SeenEntity", "Sensor", "Series", "shot",
     "SignalLamp", "Sky", "Sources", "Spectrum", "STANDARD_REFRACTION", "State",

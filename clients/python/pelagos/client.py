@@ -5,10 +5,13 @@ import contextlib
 import os
 import ssl
 import stat
+import sys
 import urllib.parse
+import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, overload
 
+from .errors import Notice
 from .frame import Frame, from_answer, parts_of
 from .parts import Entities, ViewHandle, Views
 from .record import Record, list_of, message_of
@@ -27,6 +30,7 @@ DEFAULT_URL = "http://127.0.0.1:8080"
 URL_VARIABLE = "PELAGOS_URL"
 TOKEN_VARIABLE = "PELAGOS_TOKEN"
 TOKEN_FILE_VARIABLE = "PELAGOS_TOKEN_FILE"
+_HERE = os.path.dirname(__file__)
 _ALIASES = {"view": "views", "entity": "entities"}
 
 
@@ -95,8 +99,12 @@ class Ocean:
         headers = {"Content-Type": "application/merge-patch+json"}
         if revision is not None:
             headers["If-Match"] = f'"{revision}"'
-        return State.from_json(self.transport.request(
-            "PATCH", "/v1/state", _plain(change), headers).json())
+        answer = self.transport.request("PATCH", "/v1/state", _plain(change),
+                                        headers)
+        if notice := answer.headers.get("X-Pelagos-Notice"):
+            warnings.warn(notice, Notice,
+                          stacklevel=_depth())
+        return State.from_json(answer.json())
 
     def __getitem__(self, path: str) -> Any:
         """`ocean["sea.windSpeed"]`: a number, text, or JSON of a part; None
@@ -402,6 +410,14 @@ class Ocean:
         """The same as arrays: RGB, uint8, (height, width, 3), without loss."""
         return {name: frame.image() for name, frame in self.frames(
             views, "png", width=width, height=height, time=time).items()}
+
+
+def _depth() -> int:
+    """Of the frame that called this package, seen from the caller."""
+    frame, depth = sys._getframe(1), 1
+    while frame.f_back and os.path.dirname(frame.f_code.co_filename) == _HERE:
+        frame, depth = frame.f_back, depth + 1
+    return depth
 
 
 def _name(view: str | ViewHandle) -> str:

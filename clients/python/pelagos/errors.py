@@ -9,6 +9,12 @@ class PelagosError(Exception):
     """Base of all."""
 
 
+class Notice(UserWarning):
+    """No error: an edit switched something off without having been asked to,
+    like the model of a ship that it gave a speed; the text says what, and how
+    to keep it on."""
+
+
 class Unreachable(PelagosError, ConnectionError):
     """Nothing answers at the address, or the connection broke."""
 
