@@ -24,6 +24,9 @@ import cigi_host as cigi
 from pelagos_daemon import (BIN, ROOT, SANITIZED, SLOW_S, Daemon, Session,
                             free_port, receive_all, until)
 
+sys.path.insert(0, os.path.join(ROOT, "clients/python"))
+from pelagos import Conflict, Ocean
+
 DAMAGED = os.path.join(ROOT, "../shared/data/exr")
 COLUMNS, ROWS, CELL = 160, 120, 1 / 960
 WEST, NORTH = 5.1, 52.65
@@ -159,6 +162,10 @@ class Seabed(unittest.TestCase):
                       for right in np.arange(-160, 161, 40)]
             want = [p["depth"] for p in self.points(points)]
             np.testing.assert_allclose(grid.ravel(), want, atol=1e-3)
+        with Ocean(self.daemon.url("")) as ocean:
+            np.testing.assert_array_equal(
+                ocean.soundings(52.6, 5.2, spacing=40, columns=9, rows=5,
+                                turn=37), grid)
         far = self.soundings(3, 3, latitude=10, longitude=5, spacing=10)
         self.assertTrue(np.isnan(far).all())
         whole = self.soundings(512, 512, spacing=0.5)
@@ -185,6 +192,10 @@ class Seabed(unittest.TestCase):
         answer = self.daemon.get("/v1/soundings")
         self.assertEqual((answer.status, answer.json()["path"]),
                          (409, "seabed.file"), answer)
+        with Ocean(self.daemon.url("")) as ocean:
+            with self.assertRaises(Conflict) as refused:
+                ocean.soundings()
+            self.assertEqual(refused.exception.path, "seabed.file")
         for query in ("columns=513", "rows=0", "spacing=0", "latitude=91",
                       "columns=x", "nothing=1", "spacing=nan"):
             answer = self.daemon.get("/v1/soundings?" + query)

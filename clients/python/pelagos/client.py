@@ -275,6 +275,31 @@ class Ocean:
             return query(ask, points, time, frame, acceleration, foam)
         return series(ask, points, time, frame, acceleration, foam, moving)
 
+    def soundings(self, latitude: float | None = None,
+                  longitude: float | None = None, *, spacing: float = 10,
+                  columns: int = 256, rows: int = 256, turn: float = 0
+                  ) -> "NDArray[np.float32]":
+        """Depths of the bottom below mean sea level [m], (rows, columns), the
+        first row the upper one: negative on land, NaN where the file
+        has no data. Of cells larger than the file's the least depth counts.
+
+        latitude, longitude  of the raster's middle [deg]; none: the origin's
+        spacing              of its cells, both ways [m; 0.01 to 100000]
+        columns, rows        1 to 512
+        turn                 where its upper side looks, clockwise from north
+                             [deg]
+
+        Conflict where the state names no seabed.file."""
+        import numpy as np
+        given = {"latitude": latitude, "longitude": longitude,
+                 "spacing": spacing, "columns": columns, "rows": rows,
+                 "turn": turn}
+        answer = self.transport.request(
+            "GET", "/v1/soundings?" + urllib.parse.urlencode(
+                {k: v for k, v in given.items() if v is not None}))
+        return np.frombuffer(answer.body, "<f4").reshape(
+            rows, columns).astype(np.float32)
+
     def spectrum(self, *, frequencies: int = 0, directions: int = 0,
                  lowest: float | None = None, highest: float | None = None,
                  wavelength: float | None = None,
