@@ -136,7 +136,8 @@ static void looks_at_the_scene(void **state)
 static void refuses_bad_addresses(void **state)
 {
     (void)state;
-    static const char *const bad[] = { "", "10110", "host:1", "127.0.0.1:x" };
+    static const char *const bad[] = { "", "10110", "host:0", "host name:1",
+                                       "127.0.0.1:x" };
     struct pel_nmea_out *out;
     struct pel_fault fault;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {

@@ -39,9 +39,10 @@ struct attempt {
     size_t endpoint;
     CURL *easy;
     GString *in;
-    size_t taken; /* of it, lines of the watch */
-    bool paused;  /* until the next turn */
-    bool full;    /* more came than may */
+    size_t taken;    /* bytes of it: lines of the watch */
+    size_t searched; /* bytes of it that end no further line */
+    bool paused;     /* until the next turn */
+    bool full;       /* more came than may */
 };
 
 /* A text that a thread reads. */
@@ -613,19 +614,28 @@ static void watch_read(struct reading *reading)
     resume_soon(etcd);
 }
 
+/* The end of the first line not taken; NULL: more is to come. A line that
+ * comes in many pieces is searched once. */
+static const char *line_end(struct attempt *attempt)
+{
+    const GString *in = attempt->in;
+    size_t from = MAX(attempt->taken, attempt->searched);
+    const char *end = memchr(in->str + from, '\n', in->len - from);
+    attempt->searched = end ? (size_t)(end - in->str) : in->len;
+    return end;
+}
+
 /* The lines that have come whole, as many as there is time for. */
 static void watch_lines(struct pel_etcd *etcd)
 {
     size_t turn = 0;
     while (!watch_is_busy(etcd)) {
         struct attempt *attempt = etcd->watch.attempt;
-        const char *from = attempt ? attempt->in->str + attempt->taken : NULL;
-        const char *end =
-            attempt ? memchr(from, '\n', attempt->in->len - attempt->taken)
-                    : NULL;
+        const char *end = attempt ? line_end(attempt) : NULL;
         if (!end) {
             break;
         }
+        const char *from = attempt->in->str + attempt->taken;
         size_t size = (size_t)(end - from);
         if (turn > 0 && turn + size > TURN_BYTES) {
             resume_soon(etcd);
@@ -651,6 +661,7 @@ static void watch_lines(struct pel_etcd *etcd)
     struct attempt *attempt = etcd->watch.attempt;
     if (attempt && attempt->taken > attempt->in->len / 2) {
         g_string_erase(attempt->in, 0, (gssize)attempt->taken);
+        attempt->searched -= MIN(attempt->searched, attempt->taken);
         attempt->taken = 0;
     }
 }
