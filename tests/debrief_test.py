@@ -210,6 +210,26 @@ def refused(daemon, folder):
               f"{name}: {now}")
         os.path.exists(os.path.join(folder, name)) and name[0] != "." and \
             os.remove(os.path.join(folder, name))
+    with tempfile.TemporaryDirectory(prefix="pelagos-outside-") as outside:
+        away = os.path.join(outside, "away.pelog")
+        with open(away, "wb") as f:
+            f.write(data)
+        link = os.path.join(folder, "away.pelog")
+        os.symlink(away, link)
+        debrief(daemon, recording="away.pelog")
+        now = settled(daemon)
+        check(now["state"] == "FAILED" and
+              "away.pelog is a link out of" in now["error"], f"{now}")
+        names = [r["name"] for r in daemon.get(
+            "/v1/recordings").json()["recordings"]]
+        check("away.pelog" not in names, f"{names}")
+        os.remove(link)
+    link = os.path.join(folder, "within.pelog")
+    os.symlink("torn.pelog", link)
+    check("error" not in opened(daemon, "within.pelog"), "a link within")
+    os.remove(link)
+    answer = post(daemon, "/v1/recording", {"start": "-rf"}, status=400)
+    check("neither . nor - first" in answer["detail"], f"{answer}")
     check("error" not in opened(daemon, "torn.pelog"), "up to where it is torn")
     os.remove(os.path.join(folder, "torn.pelog"))
     check("rate" in str(debrief(daemon, 400, rate=99)), "its range")
