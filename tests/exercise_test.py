@@ -481,7 +481,21 @@ class Interfaces(Case):
                          "events.fog.patch.state.sky.visibility")
         self.assertEqual(daemon.get("/v1/exercises/mine").json()["title"],
                          "Mine")
-        for name in ("..%2Fstate", "a.b", "x" * 65):
+        # A link within the directory is as the file, one out of it is refused.
+        with tempfile.TemporaryDirectory() as outside:
+            away = os.path.join(outside, "away.json")
+            with open(away, "w") as file:
+                json.dump({"title": "elsewhere"}, file)
+            for name, target in (("away", away), ("within", "mine.json")):
+                os.symlink(target, os.path.join(self.folder, name + ".json"))
+            answer = daemon.get("/v1/exercises/away")
+            self.assertGreaterEqual(answer.status, 400)
+            self.assertIn("away.json is a link out of", answer.body.decode())
+            self.assertEqual(daemon.get("/v1/exercises/within").json()["title"],
+                             "Mine")
+            for name in ("away", "within"):
+                os.remove(os.path.join(self.folder, name + ".json"))
+        for name in ("..%2Fstate", "a.b", "x" * 65, "-rf"):
             answer = daemon.request("PUT", f"/v1/exercises/{name}", {})
             self.assertEqual(answer.status, 400, name)
         # A command that is refused leaves the file.
