@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 import unittest
+import urllib.request
 
 import netCDF4
 import numpy as np
@@ -217,8 +218,23 @@ class Seabed(unittest.TestCase):
                 with Session(self.daemon.connect_unix()) as session:
                     reply = session.ask(frame={"view": "eye"})
                 self.assertEqual(reply.frame.in_ground, inside is not None)
+                self.ground_in_files_and_streams(inside is not None)
         finally:
             self.daemon.patch({"views": kept})
+
+    def ground_in_files_and_streams(self, inside):
+        for ending, word in (("jpg", b'pelagos:Ground="inside"'),
+                             ("png", b'pelagos:Ground="inside"'),
+                             ("exr", b"pelagos.ground\0string\0"
+                                     b"\6\0\0\0inside")):
+            body = self.daemon.get("/v1/views/eye/frame." + ending).body
+            self.assertEqual(word in body, inside, ending)
+        with urllib.request.urlopen(self.daemon.url("/v1/views/eye/mjpeg"),
+                                    timeout=SLOW_S) as parts:
+            head = b""
+            while b"\r\n\r\n" not in head:
+                head += parts.read(1)
+        self.assertEqual(b"X-Pelagos-Ground: inside" in head, inside)
 
     def test_a_simulator_finds_land(self):
         self.choose(file="geographic.tif")

@@ -298,13 +298,14 @@ static void write_xmp(const struct pel_photo *p, const struct moment *m,
         "pelagos:Roll=\"%.6f\"\n"
         " pelagos:HorizontalFieldOfView=\"%.6f\" "
         "pelagos:VerticalFieldOfView=\"%.6f\"\n"
-        " pelagos:ExposureEV100=\"%.4f\"/>\n"
+        " pelagos:ExposureEV100=\"%.4f\"%s/>\n"
         "</rdf:RDF>\n</x:xmpmeta>\n<?xpacket end=\"r\"?>",
         p->software, *date ? " xmp:CreateDate=\"" : "", date, *date ? "\"" : "",
         latitude, longitude, llround(fabs(p->altitude_m) * 1000.0),
         p->altitude_m < 0.0, view, p->time_s,
         pel_bearing_deg(p->heading_deg, 6), p->pitch_deg, p->roll_deg,
-        p->horizontal_fov_deg, p->vertical_fov_deg, p->exposure_ev);
+        p->horizontal_fov_deg, p->vertical_fov_deg, p->exposure_ev,
+        p->in_ground ? " pelagos:Ground=\"inside\"" : "");
     out->xmp_size =
         size > 0 && (size_t)size < sizeof out->xmp ? (size_t)size : 0;
 }

@@ -18,6 +18,7 @@ struct pel_photo {
     double heading_deg, pitch_deg, roll_deg;
     double horizontal_fov_deg, vertical_fov_deg;
     double exposure_ev; /* EV100 */
+    bool in_ground;     /* the camera is inside the ground */
     uint32_t width, height;
 };
 

@@ -42,16 +42,6 @@ struct pel_encoder_pool {
     void *user;
 };
 
-/* Whether it sees the ground from within. */
-static bool in_ground(const struct pel_job *job, size_t draw)
-{
-    const struct pel_camera *c = &job->draws[draw].camera;
-    const struct pel_seabed *bed = job->snapshot->seabed;
-    double height_m;
-    return bed && pel_seabed_height(bed, c->east_m, c->north_m, &height_m) &&
-           c->altitude_m < height_m;
-}
-
 static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
 {
     const struct pel_job *job = output->job;
@@ -64,7 +54,7 @@ static void fill_frame(struct pel_frame *frame, const struct pel_output *output)
     frame->host_frame = job->host_frame;
     frame->stale =
         pel_snapshot_stale(job->snapshot, job->environment.time_s) | job->stale;
-    frame->in_ground = in_ground(job, output->draw);
+    frame->in_ground = pel_camera_in_ground(job, output->draw);
     frame->time_s = job->environment.time_s;
     frame->exposure_ev = picture->exposure_ev;
     frame->width = part->width;

@@ -176,6 +176,9 @@ static void list_camera(struct pel_exr_notes *n, const struct pel_job *job,
     add_number(n, "pelagos.roll", roll);
     add_number(n, "pelagos.east", c->east_m);
     add_number(n, "pelagos.north", c->north_m);
+    if (pel_camera_in_ground(job, draw)) {
+        add_text(n, "pelagos.ground", "inside");
+    }
 }
 
 void pel_exr_notes_list(const struct pel_output *output,

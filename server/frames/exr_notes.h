@@ -4,7 +4,7 @@
 
 #include "frames/job.h"
 
-#define PEL_EXR_NOTES 48
+#define PEL_EXR_NOTES 64
 #define PEL_EXR_NOTES_TEXT 4096
 
 struct pel_exr_notes {

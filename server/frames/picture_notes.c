@@ -25,6 +25,15 @@ void pel_camera_attitude(const struct pel_job *job, size_t draw,
                 PEL_DEG;
 }
 
+bool pel_camera_in_ground(const struct pel_job *job, size_t draw)
+{
+    const struct pel_camera *c = &job->draws[draw].camera;
+    const struct pel_seabed *bed = job->snapshot->seabed;
+    double height_m;
+    return bed && pel_seabed_height(bed, c->east_m, c->north_m, &height_m) &&
+           c->altitude_m < height_m;
+}
+
 double pel_camera_field(double tan_low, double tan_high)
 {
     return (atan(tan_high) - atan(tan_low)) / PEL_DEG;
@@ -45,6 +54,7 @@ void pel_picture_photo(const struct pel_output *output, struct pel_photo *out)
         .horizontal_fov_deg = pel_camera_field(c->tan_left, c->tan_right),
         .vertical_fov_deg = pel_camera_field(c->tan_bottom, c->tan_top),
         .exposure_ev = part->picture->exposure_ev,
+        .in_ground = pel_camera_in_ground(job, output->draw),
         .width = part->width,
         .height = part->height,
     };

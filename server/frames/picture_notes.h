@@ -10,6 +10,9 @@ void pel_camera_attitude(const struct pel_job *job, size_t draw,
                          double *heading_deg, double *pitch_deg,
                          double *roll_deg);
 
+/* Whether a draw's camera is below the seabed's surface: inside the ground. */
+bool pel_camera_in_ground(const struct pel_job *job, size_t draw);
+
 /* Degrees between the picture's left and right (bottom and top) edges. */
 double pel_camera_field(double tan_low, double tan_high);
 
