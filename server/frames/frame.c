@@ -1,10 +1,16 @@
+#include <stddef.h>
 #include <stdlib.h>
 
+#include "base/heap.h"
 #include "frames/job.h"
+
+/* Freeing more takes the control thread too long: 0.1 ms a MiB. */
+#define FREED_AT_ONCE (1u << 20)
 
 /* The public part first: a reference to it is one to the whole. */
 struct frame {
     struct pel_frame public;
+    struct pel_discard discard;
     struct pel_bytes bytes;
     atomic_int references;
 };
@@ -35,12 +41,29 @@ struct pel_frame *pel_frame_ref(struct pel_frame *frame)
     return frame;
 }
 
+static void destroy(struct frame *frame)
+{
+    pel_bytes_finish(&frame->bytes);
+    free(frame);
+}
+
+static void drop(struct pel_discard *discard)
+{
+    char *at = (char *)discard - offsetof(struct frame, discard);
+    destroy((struct frame *)at);
+}
+
 void pel_frame_unref(struct pel_frame *frame)
 {
     struct frame *f = (struct frame *)frame;
-    if (f && atomic_fetch_sub(&f->references, 1) == 1) {
-        pel_bytes_finish(&f->bytes);
-        free(f);
+    if (!f || atomic_fetch_sub(&f->references, 1) != 1) {
+        return;
+    }
+    if (f->bytes.size > FREED_AT_ONCE) {
+        f->discard.drop = drop;
+        pel_heap_discard(&f->discard);
+    } else {
+        destroy(f);
     }
 }
 
