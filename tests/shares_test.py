@@ -19,7 +19,8 @@ sys.path.insert(0, os.path.join(HERE, "soak"))
 import attacks
 from attacks import TOKENS, head
 from live_client import Closed, Live
-from pelagos_daemon import Daemon, Session, free_port, schema, until
+from pelagos_daemon import (Daemon, Session, free_port, receive_all, schema,
+                            until)
 
 OTHER = "other-watch-token-0123456789"
 ROUNDS = 5
@@ -105,7 +106,7 @@ class Attacks(Case):
 
     def test_hls_reloads(self):
         self.daemon.patch({"clock": {"mode": "STEPPED"}})
-        self.addCleanup(self.daemon.patch, {"clock": {"mode": "REALTIME"}})
+        self.addCleanup(self.daemon.patch, {"clock": {"mode": "FREE"}})
         self.attacked(attacks.hls_reloads, "pelagos_hls_waiting", 64)
 
     def test_hls_left(self):
@@ -136,7 +137,7 @@ class Gone(Case):
         with ask(64) as s:
             self.assertIn(b" 200 ", s.recv(4096))
         self.daemon.patch({"clock": {"mode": "STEPPED"}})
-        self.addCleanup(self.daemon.patch, {"clock": {"mode": "REALTIME"}})
+        self.addCleanup(self.daemon.patch, {"clock": {"mode": "FREE"}})
         left = [ask(80 + 16 * i) for i in range(20)]
         until("they wait", lambda: self.metric("pelagos_hls_waiting") == 20)
         for s in left:
@@ -145,7 +146,6 @@ class Gone(Case):
             self.assertEqual(until("they are gone", lambda: (
                 self.metric("pelagos_hls_waiting") == 0 and
                 self.metric("pelagos_hls_streams"))), 1)
-
 
     def test_who_sends_no_more_has_the_answer(self):
         """Half a close is none: whoever waits for a picture, a playlist, an
@@ -169,6 +169,15 @@ class Gone(Case):
                 answer.begin()
                 self.assertEqual(answer.status, 200, path)
                 self.assertTrue(answer.read(), path)
+
+    def test_older_clients_have_no_interim_answer(self):
+        """HTTP/1.0 knows none (RFC 9110, 15.2)."""
+        with self.daemon.connect_http() as s:
+            s.sendall(head("GET", "/v1/views/bridge/frame.exr?width=1024&"
+                           "height=1024", "instruct")
+                      .replace(b"HTTP/1.1", b"HTTP/1.0"))
+            s.shutdown(socket.SHUT_WR)
+            self.assertIn(b" 200 ", receive_all(s)[:16])
 
 
 class Revoked(Case):

@@ -47,6 +47,7 @@ struct client {
     bool reserve;       /* has one of the last places: see http_share.h */
     bool open;          /* asks for what is public: /healthz */
     bool gone;          /* the client sends no more */
+    bool interim;       /* it takes interim answers: HTTP/1.1 */
     bool probed;        /* whether it reads, in this request */
     struct pel_claim pictures, unread;
     bool changes; /* the request that is answered is an edit */

@@ -70,8 +70,9 @@ bool pel_http_polls(const struct client *client, short events)
 static void probe(struct client *client)
 {
     static const char interim[] = "HTTP/1.1 100 Continue\r\n\r\n";
-    if (!client->probed) {
-        client->probed = true;
+    bool probed = client->probed;
+    client->probed = true;
+    if (!probed && client->interim) {
         (void)send(client->fd, interim, sizeof interim - 1,
                    MSG_DONTWAIT | MSG_NOSIGNAL);
     }

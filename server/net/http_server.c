@@ -249,12 +249,12 @@ static enum MHD_Result on_request(void *user, struct MHD_Connection *connection,
 {
     (void)connection;
     (void)url;
-    (void)version;
     (void)user;
     struct client *client = *state;
     if (!client || client->phase == PHASE_CLOSED) {
         return MHD_NO;
     }
+    client->interim = strcmp(version, "HTTP/1.1") == 0;
     if (client->phase == PHASE_HEADERS) {
         return take_head(client, method);
     }
