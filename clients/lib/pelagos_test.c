@@ -349,14 +349,14 @@ static void test_addresses(void **state)
         { "/run/pelagos/socket", PEL_CLIENT_BAD_ADDRESS,
           "mean unix:/run/pelagos/socket" },
         { "localhost", PEL_CLIENT_BAD_ADDRESS, "tcp:HOST:PORT" },
-        { "tcp:", PEL_CLIENT_BAD_ADDRESS },
-        { "tcp:host", PEL_CLIENT_BAD_ADDRESS },
-        { "tcp::1", PEL_CLIENT_BAD_ADDRESS },
-        { "tcp:[]:1", PEL_CLIENT_BAD_ADDRESS },
-        { "unix:", PEL_CLIENT_BAD_ADDRESS },
-        { "unix:/nonexistent/socket", PEL_CLIENT_UNREACHABLE },
-        { "tcp:127.0.0.1:1", PEL_CLIENT_UNREACHABLE },
-        { "tcp:[::1]:1", PEL_CLIENT_UNREACHABLE },
+        { "tcp:", PEL_CLIENT_BAD_ADDRESS, NULL },
+        { "tcp:host", PEL_CLIENT_BAD_ADDRESS, NULL },
+        { "tcp::1", PEL_CLIENT_BAD_ADDRESS, NULL },
+        { "tcp:[]:1", PEL_CLIENT_BAD_ADDRESS, NULL },
+        { "unix:", PEL_CLIENT_BAD_ADDRESS, NULL },
+        { "unix:/nonexistent/socket", PEL_CLIENT_UNREACHABLE, NULL },
+        { "tcp:127.0.0.1:1", PEL_CLIENT_UNREACHABLE, NULL },
+        { "tcp:[::1]:1", PEL_CLIENT_UNREACHABLE, NULL },
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct pel_client *client = NULL;
