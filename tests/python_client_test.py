@@ -457,9 +457,12 @@ class Pictures(OceanCase):
         np.testing.assert_allclose(camera.intrinsics.K, [
             [200, 0, 200], [0, 200, 100], [0, 0, 1]], atol=1e-9)
         points = [[100, 0, 30], [100, 50, 30], [100, 0, 5], [-1, 0, 30]]
+        # The sea falls by d²/2R on the way: 1 mm at 100 m.
+        drop = [200 * d2 / (2 * 6.36e6) / 100 for d2 in (1e4, 1.25e4)]
         np.testing.assert_allclose(
             camera.project(points),
-            [[200, 100], [100, 100], [200, 150], [np.nan, np.nan]], atol=1e-3)
+            [[200, 100 + drop[0]], [100, 100 + drop[1]], [200, 150 + drop[0]],
+             [np.nan, np.nan]], atol=1e-4)
         half = view.intrinsics(width=200, height=200)
         np.testing.assert_allclose(half.K[:2, :2], [[100, 0], [0, 100]])
 
