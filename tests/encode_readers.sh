@@ -42,7 +42,7 @@ for kind in jpg png; do
     notes=$(exiftool -n -s -s -s -p \
         '$IFD0:ImageDescription|$ExifIFD:SubSecTimeOriginal|$GPS:GPSLatitudeRef|$GPS:GPSImgDirection|$GPS:GPSAltitude|$XMP-pelagos:Roll' \
         "$folder/photo.$kind")
-    expect "exiftool reads the $kind" "$notes" 'bridge <&">|25|S|270.125|18.5|1.250000'
+    expect "exiftool reads the $kind" "$notes" 'bridge <&">|25|S|270.13|18.5|1.250000'
     expect "exiftool finds nothing wrong with the $kind" \
         "$(exiftool -s -warning -error "$folder/photo.$kind")" ''
     place=$(exiftool -n -p '$GPSLatitude $GPSLongitude' "$folder/photo.$kind")

@@ -234,11 +234,10 @@ static void find_files(const char *directory, const char *below, int depth,
             !g_utf8_validate(name, -1, NULL)) {
             continue;
         }
-        if (pel_file_inside(directory, whole, NULL)) {
-            continue; /* it would be refused by name */
-        }
         if (g_file_test(whole, G_FILE_TEST_IS_DIR)) {
-            find_files(directory, name, depth + 1, out);
+            if (!pel_file_inside(directory, whole, NULL)) {
+                find_files(directory, name, depth + 1, out);
+            }
         } else if (pel_model_is_file(name)) {
             g_ptr_array_add(out, g_steal_pointer(&name));
         }
