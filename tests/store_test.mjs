@@ -149,7 +149,7 @@ class Server {
         one.reject(new Error("connection lost"));
       } else {
         one.resolve({ ok: one.answer.status < 300, status: one.answer.status,
-          text: async () => one.answer.text });
+          headers: new Headers(), text: async () => one.answer.text });
       }
     }
   }

@@ -598,7 +598,8 @@ class Ts(Case):
         until("it is gone", lambda: self.metric("pelagos_ts_viewers") == 0)
 
     def test_refusals(self):
-        for query in "?quality=5", "?bitrate=1", "?codec=h264", "?width=x":
+        # `quality` and `codec` are no parameters here: ignored, like any other.
+        for query in "?bitrat=500", "?bitrate=1", "?width=x", "?widht=64":
             self.assertEqual(
                 self.daemon.get("/v1/views/bridge/ts" + query).status, 400)
         self.assertEqual(self.daemon.get("/v1/views/nothing/ts").status, 404)
