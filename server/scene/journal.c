@@ -339,10 +339,11 @@ static gboolean on_again_timer(gpointer user)
 static void later(struct pel_journal *j)
 {
     j->again_ns = pel_now_ns() + AGAIN_NS;
-    if (j->again_timer == 0) {
-        j->again_timer =
-            g_timeout_add((guint)(AGAIN_NS / 1000000) + 1, on_again_timer, j);
+    if (j->again_timer != 0) {
+        g_source_remove(j->again_timer); /* it would come before that time */
     }
+    j->again_timer =
+        g_timeout_add((guint)(AGAIN_NS / 1000000) + 1, on_again_timer, j);
 }
 
 static size_t room_left(const struct pel_journal *j)

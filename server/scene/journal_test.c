@@ -362,6 +362,44 @@ static void what_does_not_fit_is_refused(void **state)
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
 }
 
+static void tries_again(void *user)
+{
+    struct pel_journal **j = user;
+    assert_true(pel_journal_is_full(*j));
+    *j = NULL;
+}
+
+/* However long a trial takes until it fails. */
+static void after_each_that_failed_another_is_tried(void **state)
+{
+    (void)state;
+    struct pel_journal *waited_for = NULL;
+    const struct pel_journal_cares cares = { false, tries_again, &waited_for };
+    struct rlimit before, now;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+    now = before;
+    now.rlim_cur = 32 << 10;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &now), 0);
+    Pelagos__State *s = copy();
+    struct pel_journal *j = waited_for = create("one", &cares);
+    for (int i = 0; i < 2000 && add(j, &s, i % 40); i++) {
+    }
+    now.rlim_cur = 1;
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &now), 0);
+    assert_true(pel_journal_is_full(j));
+    pel_journal_turn(j, s);
+    g_usleep(50000);
+    while (pel_worker_wait(worker)) {
+    }
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+    assert_false(pel_journal_is_full(j));
+    while (waited_for) {
+        g_main_context_iteration(NULL, TRUE);
+    }
+    assert_true(pel_journal_close(j, true));
+    pelagos__state__free_unpacked(s, NULL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -373,6 +411,7 @@ int main(void)
         cmocka_unit_test(the_journal_of_another_state_file),
         cmocka_unit_test(none_that_is_kept_is_overwritten),
         cmocka_unit_test(what_does_not_fit_is_refused),
+        cmocka_unit_test(after_each_that_failed_another_is_tried),
     };
     return cmocka_run_group_tests(tests, begin, finish);
 }
