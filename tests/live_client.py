@@ -7,6 +7,7 @@
 import base64
 import json
 import os
+import re
 import socket
 import struct
 import time
@@ -72,13 +73,10 @@ class Live:
         head, self.buffer = self.buffer.split(b"\r\n\r\n", 1)
         status = int(head.split()[1])
         if status != 101:
-            try:
-                self.socket.settimeout(1)
-                self.more()
-            except (Closed, OSError):
-                pass
+            told = re.search(rb"(?mi)^Content-Length: (\d+)", head)
+            body = self.take(int(told[1]) if told else 0)
             self.socket.close()
-            raise Refused(status, head.decode(), self.buffer.decode())
+            raise Refused(status, head.decode(), body.decode())
         self.head = head.decode()
 
     def more(self):

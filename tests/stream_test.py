@@ -418,8 +418,11 @@ class Hostile(Case):
         self.refused(400, headers={"Sec-WebSocket-Key": "short"})
         self.refused(403, headers={"Origin": "http://evil.example"})
         for query in ("?codec=av1", "?bitrate=5", "?width=-1", "?quality=",
-                      "?credit=99", "?nothing=1", "?width=1e3"):
+                      "?credit=99", "?widht=1", "?width=1e3"):
             self.assertIn("code", self.refused(400, query=query).body)
+        with Live(self.daemon, "bridge", "?nothing=1") as live:
+            self.assertIn("X-Pelagos-Ignored: nothing", live.head)
+            live.picture()
         own = f"http://127.0.0.1:{self.daemon.http_port}"
         with Live(self.daemon, "bridge", headers={"Origin": own}) as live:
             live.picture()
