@@ -342,15 +342,20 @@ class Host:
     def ask(self, *packets):
         """Sends a frame; the answers in the frame that knows of it and, where
         some are still missing there, in those after it: the next, or on a busy
-        machine one of the next thirty."""
+        machine a later one."""
         self.send(*packets)
         asked = sum(packet(self.order)[0] in QUESTIONS for packet in packets)
         frames = self.settle()
-        for _ in range(30):
-            if sum(len(frame.answers) for frame in frames if frame) >= asked:
-                break
-            frames.append(self.receive())
-        return [answer for frame in frames if frame for answer in frame.answers]
+        answers = [answer for frame in frames for answer in frame.answers]
+        self.gather(answers, asked)
+        return answers
+
+    def gather(self, answers, count, seconds=SLOW_S):
+        """Adds what comes until there are `count` answers."""
+        end = time.monotonic() + seconds
+        while len(answers) < count and time.monotonic() < end:
+            if (frame := self.receive(0.1)) is not None:
+                answers += frame.answers
 
     def close(self):
         self.socket.close()

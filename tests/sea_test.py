@@ -107,7 +107,8 @@ def hull_points_by_every_way():
     port = free_port(socket.SOCK_DGRAM)
     where = places(1000)
     plane = np.array([p[2:] for p in where])
-    with Daemon("--cigi", f"127.0.0.1:{port}") as daemon, \
+    with Daemon("--cigi", f"127.0.0.1:{port}", "--cigi-silence",
+                f"{SLOW_S:g}") as daemon, \
             cigi.Host(("127.0.0.1", port)) as host, \
             Session(daemon.connect_tcp()) as session:
         host.ask()
@@ -118,11 +119,9 @@ def hull_points_by_every_way():
                         for i, p in enumerate(where)))
             frames = host.settle()
             at = metrics(daemon)["pelagos_cigi_host_time_seconds"]
-            by_cigi = {a["id"]: a for f in frames for a in f.all("extended")}
-            end = time.monotonic() + SLOW_S
-            while len(by_cigi) < 1000 and time.monotonic() < end:
-                by_cigi.update({a["id"]: a for f in host.drain(0.1)
-                                for a in f.all("extended")})
+            answers = [a for f in frames for a in f.answers]
+            host.gather(answers, 1000)
+            by_cigi = {a["id"]: a for _, a in answers}
             check(len(by_cigi) == 1000, f"{len(by_cigi)} answers of CIGI")
             begin = time.monotonic()
             answer = ask(daemon, plane, time=at, acceleration=True, foam=True)

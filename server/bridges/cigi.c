@@ -433,6 +433,7 @@ static bool take(struct pel_cigi *cigi, const struct pel_cigi_packet *control,
         cigi->host_time_s += seconds_to(cigi, frame, stamped, timestamp);
     }
     cigi->heard_ns = now_ns;
+    cigi->told_ns = 0;
     cigi->host_frame = frame;
     cigi->timestamp = timestamp;
     cigi->stamped = stamped;
@@ -542,9 +543,12 @@ static void resume(struct pel_cigi *cigi)
     pelagos__patch__free_unpacked(patch, NULL);
 }
 
+/* A host may wait for a frame of ours before it goes on: while this thread was
+ * held up, nobody was silent. */
 static bool is_heard(const struct pel_cigi *cigi, int64_t now_ns)
 {
-    return (double)(now_ns - cigi->heard_ns) * 1e-9 <= cigi->options.silence_s;
+    return cigi->told_ns == 0 ||
+           (double)(now_ns - cigi->told_ns) * 1e-9 <= cigi->options.silence_s;
 }
 
 static void watch_host(struct pel_cigi *cigi, int64_t now_ns)
@@ -597,6 +601,7 @@ size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes)
 {
     int64_t now_ns = pel_now_ns();
     watch_host(cigi, now_ns);
+    cigi->told_ns = cigi->told_ns == 0 ? now_ns : cigi->told_ns;
     extrapolate(cigi, now_ns);
     cigi->ig_frame++;
     answer_periodic(cigi);

@@ -52,6 +52,7 @@ struct pel_cigi {
     bool little;
     unsigned minor, mode;
     int64_t opened_ns, heard_ns;
+    int64_t told_ns; /* the first frame since the host was heard; 0: none */
     uint32_t host_frame, ig_frame, timestamp;
     bool stamped;
     double host_time_s;  /* simulated time of host_frame */

@@ -11,47 +11,8 @@
 #include "bridges/cigi_parts.h"
 #include "bridges/target.h"
 
-static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
+static void receive(struct pel_cigi *cigi)
 {
-    PEL_WATCH("cigi");
-    struct pel_cigi *cigi = user;
-    const uint8_t *bytes;
-    uint64_t beats;
-    (void)condition;
-    if (read(fd, &beats, sizeof beats) != sizeof beats) {
-        return G_SOURCE_CONTINUE;
-    }
-    if (cigi->host_target) {
-        const struct sockaddr *to =
-            pel_target_address(cigi->host_target, &cigi->host_size);
-        if (to) {
-            memcpy(&cigi->host, to, cigi->host_size);
-        }
-    }
-    if (cigi->host_size == 0) {
-        return G_SOURCE_CONTINUE;
-    }
-    cigi->counters.skipped_frames += beats - 1;
-    size_t size = pel_cigi_frame(cigi, &bytes);
-    if (cigi->host_size > 0 &&
-        sendto(cigi->fd, bytes, size, MSG_NOSIGNAL,
-               (struct sockaddr *)&cigi->host, cigi->host_size) < 0) {
-        static struct pel_log_limit limit;
-        pel_log_limited(&limit, PEL_LOG_DEBUG, "CIG-009",
-                        "Start of Frame not sent: %s", strerror(errno));
-        cigi->counters.unsent++;
-        if (cigi->host_target) {
-            pel_target_failed(cigi->host_target);
-        }
-    }
-    return G_SOURCE_CONTINUE;
-}
-
-static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
-{
-    PEL_WATCH("cigi");
-    struct pel_cigi *cigi = user;
-    (void)condition;
     int64_t end_ns = pel_now_ns() + TURN_NS;
     while (pel_now_ns() < end_ns) {
         struct sockaddr_storage peer = { 0 };
@@ -61,7 +22,7 @@ static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
             pel_cigi_apply(cigi);
         }
         uint8_t *at = cigi->in + cigi->in_used;
-        ssize_t got = recvfrom(fd, at, MAX_DATAGRAM, MSG_TRUNC,
+        ssize_t got = recvfrom(cigi->fd, at, MAX_DATAGRAM, MSG_TRUNC,
                                (struct sockaddr *)&peer, &size);
         if (got < 0) {
             break;
@@ -86,6 +47,53 @@ static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
         }
     }
     pel_cigi_apply(cigi);
+}
+
+static gboolean on_readable(gint fd, GIOCondition condition, gpointer user)
+{
+    PEL_WATCH("cigi");
+    (void)fd;
+    (void)condition;
+    receive(user);
+    return G_SOURCE_CONTINUE;
+}
+
+static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
+{
+    PEL_WATCH("cigi");
+    struct pel_cigi *cigi = user;
+    const uint8_t *bytes;
+    uint64_t beats;
+    (void)condition;
+    if (read(fd, &beats, sizeof beats) != sizeof beats) {
+        return G_SOURCE_CONTINUE;
+    }
+    if (cigi->host_target) {
+        const struct sockaddr *to =
+            pel_target_address(cigi->host_target, &cigi->host_size);
+        if (to) {
+            memcpy(&cigi->host, to, cigi->host_size);
+        }
+    }
+    if (cigi->host_size == 0) {
+        return G_SOURCE_CONTINUE;
+    }
+    if (beats > 1) {
+        receive(cigi); /* it may have spoken while this thread was held up */
+    }
+    cigi->counters.skipped_frames += beats - 1;
+    size_t size = pel_cigi_frame(cigi, &bytes);
+    if (cigi->host_size > 0 &&
+        sendto(cigi->fd, bytes, size, MSG_NOSIGNAL,
+               (struct sockaddr *)&cigi->host, cigi->host_size) < 0) {
+        static struct pel_log_limit limit;
+        pel_log_limited(&limit, PEL_LOG_DEBUG, "CIG-009",
+                        "Start of Frame not sent: %s", strerror(errno));
+        cigi->counters.unsent++;
+        if (cigi->host_target) {
+            pel_target_failed(cigi->host_target);
+        }
+    }
     return G_SOURCE_CONTINUE;
 }
 
