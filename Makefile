@@ -406,10 +406,6 @@ models-check: deps-build ## read every model file below DIR, and say what came o
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/models/checkall.py $(DIR)
 
-.PHONY: planning
-planning: ## write docs/planning.md from the figures that it cites
-	$(Q)/usr/bin/python3 -B tests/planning/page.py
-
 # A manual with a table is what its program makes of its text.
 TABLE_MANUALS := registers cigi nmea
 

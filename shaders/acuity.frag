@@ -2,7 +2,7 @@
 // What an eye loses of detail by little light: the light of a picture spread by
 // a Gaussian of one angle everywhere. First along rows (PEL_ALONG_ROWS), then
 // along lines that lean, so that both together are as wide in all directions of
-// space (docs/physics.md).
+// space (docs/physics/eye.md).
 #include "lib/blocks.h"
 #include "lib/vision.glsl"
 

@@ -27,7 +27,7 @@ def picture(ocean, *layers):
 
 
 def extinction(rain, snow=0.0):
-    """By the drops' and flakes' shadows (docs/physics.md), 1/m."""
+    """By the drops' and flakes' shadows (docs/physics/atmosphere.md), 1/m."""
     return 3.646e-4 * rain ** 0.63 + 5.04e-3 * snow ** 0.86
 
 

@@ -26,7 +26,7 @@ SEA = {"windSpeed": 0, "seed": 4, "swell": [
     {"height": 1, "period": 6, "direction": 210, "spread": 15}]}
 VIEW = {"views": [{"name": "bridge", "width": 320, "height": 240, "up": 9,
                    "forward": 3, "pitch": -50, "yaw": 20, "fieldOfView": 30}]}
-BOUND_M = 1e-3  # as published in docs/physics.md
+BOUND_M = 1e-3  # as published in docs/physics/waves.md
 
 
 def ask(daemon, points, **more):

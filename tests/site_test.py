@@ -53,6 +53,10 @@ class Site(unittest.TestCase):
                 continue
             self.assertTrue(
                 (self.site / "docs" / (page.stem + ".html")).is_file(), page)
+        for page in (ROOT / "docs/physics").glob("*.md"):
+            self.assertTrue(
+                (self.site / "docs/physics" / (page.stem + ".html")).is_file(),
+                page)
         for word in ("GET /v1/state", "PATCH /v1/state", "FrameRequest"):
             self.assertIn(word, self.text("http.html"))
         self.assertIn('id="pelagos.client.Ocean.surface"',

@@ -16,6 +16,9 @@ import sys
 
 import mermaid
 
+PHYSICS = ["waves", "foam", "wakes", "light", "water", "underwater", "bottom",
+           "atmosphere", "clouds", "night", "space", "objects", "ships",
+           "lamps", "eye", "sensors", "places"]
 # Captions of the index and what stands below them; a page of docs/ or proto/
 # that is not named here stands at the end of its folder's part.
 PARTS = [
@@ -28,7 +31,10 @@ PARTS = [
                              "programs.md", "clients/python/README.md",
                              "python.md",
                              "clients/ros2/pelagos_bridge/README.md"]),
-    ("How it works", None, ["docs/physics.md", "docs/water.md",
+    ("How it works", None, ["docs/life-of-a-frame.md",
+                            "docs/life-of-an-edit.md", "docs/glossary.md",
+                            "docs/physics/README.md",
+                            *[f"docs/physics/{page}.md" for page in PHYSICS],
                             "docs/validation.md",
                             "tests/validate/undertrace/README.md",
                             "tests/validate/spacetrace/README.md",

@@ -48,7 +48,8 @@ static void assert_rgb(struct pel_rgb a, struct pel_rgb b, double relative)
     assert_near(a.b, b.b, relative * b.b);
 }
 
-/* physics.md's constants; ozone as published for this model. */
+/* The constants of docs/physics/atmosphere.md; ozone as published for this
+ * model. */
 static void test_constants(void **state)
 {
     (void)state;

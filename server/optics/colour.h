@@ -11,7 +11,7 @@
  * quadratic in λ⁻², whose terms are those of molecular scattering; of 22
  * elevations (optics/coloursuns.h), and mixed between them. Red
  * against green is within 11 % of the spectrum's own for a clear sky at any
- * time of day; docs/physics.md. */
+ * time of day; docs/physics/eye.md. */
 void pel_colour_matrix(double sun_sine, double m[9]);
 
 /* Weights of a scotopic luminance [cd/m²], 1700 lm/W: the same with V'(λ). */

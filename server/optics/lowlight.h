@@ -1,4 +1,5 @@
-/* Photons that a camera for low light counts (docs/physics.md). Any thread. */
+/* Photons that a camera for low light counts (docs/physics/sensors.md). Any
+ * thread. */
 #pragma once
 
 /* Of a pixel, its lens and its photocathode. */

@@ -1,6 +1,6 @@
 /* A navigation radar of 3.2 cm: what comes back, by the radar equation, and one
- * turn of its antenna as echoes by bearing and range (docs/physics.md). Plain
- * functions of their arguments; any thread. */
+ * turn of its antenna as echoes by bearing and range (docs/physics/sensors.md).
+ * Plain functions of their arguments; any thread. */
 #pragma once
 
 #include <stddef.h>

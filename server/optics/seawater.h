@@ -3,7 +3,7 @@
  * at 400 nm, water as at 380 nm below that): the water and its salt,
  * phytoplankton, other particles, dissolved matter, minerals. Where only
  * chlorophyll is known the others follow it as in Case 1 waters, far from
- * shores. docs/water.md lists the sources. Any thread. */
+ * shores. docs/physics/water.md lists the sources. Any thread. */
 #pragma once
 
 #include <stdbool.h>

@@ -1,5 +1,5 @@
 /* Heat that sea, sky and air send out, 8 to 12 µm: what a thermal camera sees
- * (docs/physics.md). Any thread; nothing allocates. */
+ * (docs/physics/sensors.md). Any thread; nothing allocates. */
 #pragma once
 
 #include "base/vec.h"

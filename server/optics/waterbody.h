@@ -1,7 +1,7 @@
 /* What water is made of, for light: absorption, scattering and how it turns
  * light at 680, 550 and 440 nm (in this order), depth and bottom, from any of
  * the ways in which people describe water. Every number's source is beside it
- * in waterbody.c and in docs/water.md. Any thread. */
+ * in waterbody.c and in docs/physics/water.md. Any thread. */
 #pragma once
 
 #include <stdbool.h>

@@ -1,6 +1,6 @@
 /* The light of water over a sloping bottom, from the maps of level water at
  * several depths. Twin of seabed_light in shaders/lib/seabed.glsl;
- * docs/water.md compares it with the Monte Carlo. Any thread. */
+ * docs/physics/bottom.md compares it with the Monte Carlo. Any thread. */
 #pragma once
 
 #include "optics/waterkernel.h"

@@ -13,7 +13,7 @@ struct pel_filtering {
     double cell_px;      /* side of the mesh's cells, 2..64; 0: 8 */
     /* For validation: glitter and sky by the 2010 paper as it stands, eq. 15,
      * 21, 26, 27, F̄ by its fit and the sky by nine samples of the map. It costs
-     * a tenth more and is further from brute force (docs/physics.md). */
+     * a tenth more and is further from brute force (docs/physics/waves.md). */
     bool paper;
 };
 #define PEL_CELL_PX_DEFAULT 8.0

@@ -14,7 +14,7 @@
  * of many widths has longer tails than one: of sparse foam a sixteenth more
  * would be seen by pixels of a metre. So a part of each variance gives way to
  * the level's mean, by as much as keeps the foam of every bound
- * (docs/physics.md has how well). */
+ * (docs/physics/foam.md has how well). */
 #define EVEN 0.85
 
 static void load_level(GLuint texture, int level, int n,

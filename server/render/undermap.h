@@ -1,4 +1,4 @@
-/* What an eye in the water sees (docs/physics.md, "Under water"): the light of
+/* What an eye in the water sees (docs/physics/underwater.md): the light of
  * the water about it (optics/underlight.h), the shafts that waves focus, and
  * the pass that draws its pixels: all of them, or those below the line that
  * the surface draws on a dome before the lens. Nothing here costs anything as

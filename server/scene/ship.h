@@ -1,5 +1,5 @@
 /* Own ship for when there is no simulator: steered by rudder and throttle,
- * carried by the sea that is drawn. docs/physics.md has the equations.
+ * carried by the sea that is drawn. docs/physics/ships.md has the equations.
  *
  * The motion is a function of the start (state, orders, time) and of simulated
  * time: it goes in steps that end at multiples of PEL_SHIP_STEP_S, each solved

@@ -1,6 +1,7 @@
 /* Which sea a weather field's numbers mean: a wind sea by the wind, as high as
  * the waves' energy allows and the wind can have raised, and the rest as swell.
- * Continuous in all numbers (docs/physics.md has the equations). Any thread. */
+ * Continuous in all numbers (docs/physics/waves.md has the equations). Any
+ * thread. */
 #pragma once
 
 #include "ocean/growth.h"

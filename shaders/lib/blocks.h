@@ -276,9 +276,9 @@ struct pel_uvec4 {
 #define PEL_MEAN_FRESNEL_REACH 6.0
 
 /* Waves that hide waves, beyond Smith's masking, which takes heights and slopes
- * as independent (docs/physics.md; fitted to rays over Gaussian seas). With s
- * the standard deviation of slopes and μ the cotangent of the view's zenith
- * angle over s, facets that are seen are steeper towards the eye by
+ * as independent (docs/physics/light.md; fitted to rays over Gaussian seas).
+ * With s the standard deviation of slopes and μ the cotangent of the view's
+ * zenith angle over s, facets that are seen are steeper towards the eye by
  * s STEEPER / (1 + KNEE μ²) and less scattered (the inverse of their variance
  * is greater by NARROWER / (1 + μ²/4) of it), and of what they mirror at an
  * elevation of tangent η s one part escapes and ODDS Λ(η) / (1 + VIEW μ)² parts
@@ -351,11 +351,11 @@ struct pel_uvec4 {
 #define PEL_SENSE_UNIFORMS 4
 #define PEL_SENSE_ALL (PEL_SENSE_UNIFORMS + 2 * PEL_SENSE_SPOTS)
 
-/* The tone curve (docs/physics.md): linear light that a screen shows of exposed
- * light x, f² (1 + FLARE) / (f + FLARE) with f = xᵖ / (STRETCH xᵖ + HALF), p =
- * POWER, so that MIDDLE becomes SHOWN and WHITE 1 (pel_tone_curve). Colours
- * keep LEAST of their saturation at any brightness, all of it far below PALE.
- * RED, GREEN and BLUE are what white balance makes of grey. */
+/* The tone curve (docs/physics/eye.md): linear light that a screen shows of
+ * exposed light x, f² (1 + FLARE) / (f + FLARE) with f = xᵖ / (STRETCH xᵖ +
+ * HALF), p = POWER, so that MIDDLE becomes SHOWN and WHITE 1 (pel_tone_curve).
+ * Colours keep LEAST of their saturation at any brightness, all of it far below
+ * PALE. RED, GREEN and BLUE are what white balance makes of grey. */
 #define PEL_TONE_FILMIC 0
 #define PEL_TONE_LINEAR 1
 #define PEL_TONE_MIDDLE 0.18
@@ -999,8 +999,8 @@ PEL_BLOCK(PEL_BLOCK_LIGHT, light)
 
 /* The light of level water made that of a slope (optics/waterslope.h): found by
  * least squares against the Monte Carlo over planes, ridges and steps
- * (docs/water.md). In units of a reduced optical depth, light comes from where
- * the bottom lies less deep under the line of sight (UNDER) and from uphill
+ * (docs/physics/bottom.md). In units of a reduced optical depth, light comes
+ * from where the bottom lies less deep under the line of sight (UNDER) and uphill
  * (STEEP); ABSORBED is the share of absorption in it. */
 #define PEL_SLOPE_ABSORBED 0.45
 #define PEL_SLOPE_BOTTOM_UNDER 0.25

@@ -31,8 +31,8 @@ vec4 second_reflection(vec2 away, float eta)
 
 // Waves that the pixel resolves hide what its facets mirror, too. Of those in
 // sight: 1 / s of them, between that of the waves that it resolves and that of
-// all so that the two steps hide what one would (docs/physics.md); escape_odds;
-// 1 / s of all.
+// all so that the two steps hide what one would (docs/physics/light.md);
+// escape_odds: 1 / s of all.
 vec3 waves_resolved(vec3 v, vec2 variance)
 {
     float share = along_wind(v);

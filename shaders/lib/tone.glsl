@@ -28,7 +28,7 @@ vec3 filmic(vec3 x)
     return shown + (x - peak) * (shown * kept / peak);
 }
 
-// What the lens scatters of the light of small sources (docs/physics.md).
+// What the lens scatters of the light of small sources (docs/physics/eye.md).
 vec3 with_glare(vec3 light, vec3 dir)
 {
     const float inverse = 2.0 / (PEL_GLARE_CORE * PEL_GLARE_CORE);

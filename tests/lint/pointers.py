@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Comments and pages name only files that are there: `physics.md`,
+"""Comments and pages name only files that are there: `waves.md`,
 `server/ocean/sea.h`, `bridges/ais.c` and the like, by their whole path, by one
 below server/ or clients/, or by their name alone, as names are unique."""
 import pathlib

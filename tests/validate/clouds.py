@@ -10,8 +10,8 @@ each by itself: columns are much wider than thick. The light that falls on the
 clouds is the clear sky's at their tops, and the Sun's, asked of the daemon;
 what the program knows of clouds is not used but for the shape of its columns:
 x (2 - x) of their thickness at rank u, x = (u + 0.15 rise) / rise, and soft
-tops (docs/physics.md). --quick: stratus alone; --assert: status 3 where the
-irradiance is off by more than BAR.
+tops (docs/physics/clouds.md). --quick: stratus alone; --assert: status 3 where
+the irradiance is off by more than BAR.
 """
 import argparse
 import math

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Draws docs/water.svg and docs/sampling.svg from what `make validate-water`
-wrote: how much of the light of all orders each answer brings, sorted, over
-every geometry; and the error of the maps against what they are made with.
+"""Draws docs/physics/water.svg and sampling.svg beside it from the files of
+`make validate-water`: the share of the light of all orders that each answer
+brings, sorted, over every geometry; and the error of the maps.
 
 water_plot.py [FOLDER [DOCS]]
 """
@@ -104,7 +104,7 @@ def draw_sampling(source, target):
 
 def main():
     folder = sys.argv[1] if len(sys.argv) > 1 else "build/validate"
-    target = sys.argv[2] if len(sys.argv) > 2 else "docs"
+    target = sys.argv[2] if len(sys.argv) > 2 else "docs/physics"
     draw_orders(f"{folder}/water.json", f"{target}/water.svg")
     draw_sampling(f"{folder}/sampling.json", f"{target}/sampling.svg")
 

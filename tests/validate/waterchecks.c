@@ -429,7 +429,7 @@ bool check_published(FILE *md)
             100 * models, 100 * k_d, 100 * r, 100 * f_q, 100 * k_usual,
             100 * r_usual);
     /* The default water has less dissolved matter than the average, of which
-     * K_d in the blue is then short: docs/water.md. */
+     * K_d in the blue is then short: docs/physics/water.md. */
     return models <= 0.1 && f_q <= 0.1 && r <= 0.1 && k_d <= 0.1 &&
            k_usual <= 0.14;
 }

@@ -303,7 +303,7 @@ class Sea(Record):
 class Water(Record):
     """What the water is made of, for light: by chlorophyll, unless one of
     jerlov, named, or the six coefficients of absorption and scattering says
-    otherwise. docs/water.md has the sources of all numbers."""
+    otherwise. docs/physics/water.md has the sources of all numbers."""
     #: Chlorophyll-a concentration; the other constituents follow it as in Case
     #: 1 waters, where they are not given. [mg/m3; 0.01 to 30]
     chlorophyll: float = _field(0.2, 'mg/m3', 0.01, 30)
@@ -532,9 +532,10 @@ class Model(Record):
 @dataclass(frozen=True)
 class OwnShip(Record):
     """Own ship for when no simulator gives its poses: orders move the entity,
-    and the sea that is drawn heaves, pitches and rolls it (docs/physics.md).
-    While `on`, the entity's pose is the model's. A patch that gives the entity
-    a pose or a rate without giving `on` turns it off: another leads."""
+    and the sea that is drawn heaves, pitches and rolls it
+    (docs/physics/ships.md). While `on`, the entity's pose is the model's. A
+    patch that gives the entity a pose or a rate without giving `on` turns it
+    off: another leads."""
     #: Whether the model moves the entity.
     on: bool = _field(False)
     #: The entity that it moves; of `helm` the one that has it. [1; 0 to 65535]

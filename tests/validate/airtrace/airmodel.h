@@ -1,6 +1,7 @@
-/* The air as docs/physics.md states it, written anew: molecules, aerosols and
- * ozone on a sphere, without polarisation and refraction. Lengths in km,
- * directions from the Earth's centre; channels 0, 1, 2 are 680, 550, 440 nm. */
+/* The air as docs/physics/atmosphere.md states it, written a second time:
+ * molecules, aerosols and ozone on a sphere, without polarisation and
+ * refraction. Lengths in km, directions from the Earth's centre; channels 0, 1,
+ * 2 are 680, 550, 440 nm. */
 #ifndef AIRMODEL_H
 #define AIRMODEL_H
 
