@@ -204,6 +204,29 @@ def range_of(field):
     return f"{plain(field.minimum)} to {plain(field.maximum)}"
 
 
+def short(number):
+    """A number with no more than eight characters where it has a power."""
+    text = plain(number)
+    power = f"{number:.6g}".replace("e+0", "e").replace("e+", "e")
+    return power if len(text) > 8 and float(power) == number else text
+
+
+def form_of(field):
+    """Type, unit, range, default: `m/s, 0..30, = 8`; a double is not named
+    where anything else is said."""
+    parts = [field.unit if field.unit != "1" else ""]
+    if field.most_bytes or field.minimum is None:
+        parts.append(range_of(field))
+    else:
+        parts.append(f"{short(field.minimum)}..{short(field.maximum)}")
+    default = default_of(field)
+    parts.append("= " + (default if default.startswith("`")
+                         else short(float(default))) if default else "")
+    parts = [part for part in parts if part]
+    kind = type_of(field)
+    return ", ".join(parts if kind == "double" and parts else [kind] + parts)
+
+
 def default_of(field):
     proto = field.proto
     if not proto.HasField("default_value"):
@@ -313,10 +336,8 @@ def write_manual(schema, path, template):
         out += ["", f"## {name}"] + ([doc] if doc else [])
         if fields:
             out += [""] + table(
-                ["field", "no.", "type", "unit", "range", "default", "meaning"],
-                [[f"`{f.name}`", str(f.proto.number), type_of(f),
-                  f.unit if f.unit and f.unit != "1" else "", range_of(f),
-                  default_of(f), sentence(f)] for f in fields])
+                ["field", "form", "meaning"],
+                [[f"`{f.name}`", form_of(f), sentence(f)] for f in fields])
     for name, (doc, values) in schema.enums.items():
         out += ["", f"## {name}"] + ([doc] if doc else []) + [""]
         out += table(["value", "no.", "meaning"],

@@ -1,5 +1,6 @@
 /* Prints proto/registers.md: the text of standard input, then the tables of
- * registers.def, with what the schema says of their fields. */
+ * registers.def, with the units and ranges that the schema gives their fields;
+ * proto/manual.md says what each field means. */
 #include <stdio.h>
 #include <string.h>
 
@@ -20,34 +21,36 @@ static void print_field(const struct pel_register *reg)
     int view;
     if (pel_register_path(reg, "x", path, sizeof path, &view) != PEL_OK ||
         pel_path_find(path, &info, NULL) != PEL_OK) {
-        printf("? | ? | `%s` is not in the schema |\n", reg->path);
+        printf("? | `%s` is not in the schema |\n", reg->path);
         return;
     }
+    const char *unit = info.info->unit ? info.info->unit : "";
     if (reg->scale != 1) {
-        printf("%g ", reg->scale);
+        printf(" %g", reg->scale);
     }
-    printf("%s | ", info.info->unit ? info.info->unit : "");
+    if (unit[0] && strcmp(unit, "1") != 0) {
+        printf(" %s", unit);
+    }
+    printf("%s", info.info->ranged ? ", " : "");
     if (info.field->type == PROTOBUF_C_TYPE_ENUM) {
         const ProtobufCEnumDescriptor *values = info.field->descriptor;
         for (unsigned i = 0; i < values->n_values; i++) {
-            printf("%s%d %s", i ? ", " : "", values->values[i].value,
-                   values->values[i].name);
+            printf(", %d %s", values->values[i].value, values->values[i].name);
         }
     } else if (info.field->type == PROTOBUF_C_TYPE_BOOL) {
-        printf("0 no, 1 yes");
+        printf(", 0 no, 1 yes");
     } else if (info.info->ranged) {
-        printf("%.10g … %.10g", info.info->minimum, info.info->maximum);
+        printf("%.10g..%.10g", info.info->minimum, info.info->maximum);
     }
-    printf(" | `%s`: %s |\n", reg->path, info.info->doc);
+    printf(" | `%s` |\n", reg->path);
 }
 
 static void print_space(enum pel_register_space space, const char *title)
 {
     bool words = space == PEL_SPACE_HOLDING || space == PEL_SPACE_INPUT;
     printf("\n## %s\n\n", title);
-    printf(words ? "| address | type | unit | range | what |\n"
-                   "|---:|---|---|---|---|\n"
-                 : "| address | what |\n|---:|---|\n");
+    printf(words ? "| address | form | meaning |\n|---:|---|---|\n"
+                 : "| address | meaning |\n|---:|---|\n");
     for (size_t i = 0; i < pel_register_count; i++) {
         const struct pel_register *reg = &pel_registers[i];
         if (reg->space != space) {
@@ -55,12 +58,13 @@ static void print_space(enum pel_register_space space, const char *title)
         }
         printf("| %u | ", reg->address);
         if (words) {
-            printf("%s | ", type_names[reg->type]);
+            printf("%s", type_names[reg->type]);
         }
         if (reg->source == PEL_SOURCE_PATH) {
             print_field(reg);
         } else if (words) {
-            printf("%s | | %s |\n", reg->unit ? reg->unit : "", reg->doc);
+            printf("%s%s | %s |\n", reg->unit ? " " : "",
+                   reg->unit ? reg->unit : "", reg->doc);
         } else {
             printf("%s |\n", reg->doc);
         }

@@ -13,27 +13,34 @@ static void print_place(const struct pel_cigi_row *row)
         [PEL_CIGI_U16] = "u16", [PEL_CIGI_U32] = "u32", [PEL_CIGI_F32] = "f32",
         [PEL_CIGI_F64] = "f64", [PEL_CIGI_BITS] = "b"
     };
-    printf("| %u | %s", row->offset, types[row->type]);
+    printf("| %u %s", row->offset, types[row->type]);
     if (row->type == PEL_CIGI_BITS) {
         printf(row->bits > 1 ? "%d-%d" : "%d", row->shift,
                row->shift + row->bits - 1);
     }
 }
 
+/* What becomes of a field; one that is honoured needs no word of it. */
+static void print_use(const struct pel_cigi_row *row)
+{
+    static const char *const grades[] = { "", "approximated", "ignored" };
+    const char *grade = grades[row->grade];
+    printf("%s%s%s", grade, grade[0] && row->note[0] ? ": " : "", row->note);
+}
+
 static void print_packet(const struct pel_cigi_info *info)
 {
-    static const char *const grades[] = { "honoured", "approximated",
-                                          "ignored" };
     printf("\n### %s (%u), %u bytes, %s\n\n", info->text, info->id, info->size,
            info->from_host ? "host to generator" : "generator to host");
-    printf("| at | type | field | unit | | |\n|---|---|---|---|---|---|\n");
+    printf("| at | field | use |\n|---|---|---|\n");
     for (size_t f = info->first + 1u;
          f < PEL_CIGI_FIELD_COUNT && pel_cigi_rows[f].type != PEL_CIGI_HEAD;
          f++) {
         const struct pel_cigi_row *row = &pel_cigi_rows[f];
         print_place(row);
-        printf(" | %s | %s | %s | %s |\n", row->text, row->unit,
-               grades[row->grade], row->note);
+        printf(" | %s%s%s | ", row->text, row->unit[0] ? ", " : "", row->unit);
+        print_use(row);
+        printf(" |\n");
     }
 }
 
@@ -69,8 +76,9 @@ int main(void)
     }
     printf("Offsets are bytes from the packet's begin, `b` bits of that byte "
            "from the low end; at 0 and 1 are the packet's id and size, and "
-           "bytes not named are reserved and not read. Packets that are not "
-           "here are skipped and counted.\n");
+           "bytes not named are reserved and not read. A field is honoured "
+           "unless its use says approximated or ignored. Packets that are "
+           "not here are skipped and counted.\n");
     for (int k = 0; k < PEL_CIGI_KIND_COUNT; k++) {
         print_packet(&pel_cigi_packets[k]);
     }
