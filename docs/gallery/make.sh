@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draws the gallery anew: docs/gallery/make.sh [FOLDER [NAME…]], those pictures
+# Draws the gallery: docs/gallery/make.sh [FOLDER [NAME…]], those pictures
 # alone or all. Each is one `pelagosctl set` on a common scene and one `pelagosctl
 # frame`; the same commands are listed in README.md beside the pictures, which
 # this writes too.
