@@ -2,8 +2,8 @@
 """Derives tables from the comments of pelagos.proto.
 
 fields.py c PROTO OUT.c                    the table behind fields.h
-fields.py manual PROTO OUT.md TEMPLATE.md  the manual: the template, then
-                                           every message and enum
+fields.py manual PROTO OUT.md TEMPLATE.md  the manual: the template with its
+                                           tables; `whole` adds every message
 fields.py python PROTO OUT.py              the state as Python's dataclasses
 """
 import keyword
@@ -326,12 +326,9 @@ TABLES = {"@layers@": layer_table, "@formats@": format_table,
           "@lax@": lax_routes}
 
 
-def write_manual(schema, path, template):
-    with open(template, encoding="utf-8") as f:
-        out = f.read().rstrip().split("\n")
-    for name, make in TABLES.items():
-        place = out.index(name)
-        out[place:place + 1] = make()
+def message_tables(schema):
+    """Lines of the schema's messages and enums, a table each."""
+    out = []
     for name, (doc, fields) in schema.messages.items():
         out += ["", f"## {name}"] + ([doc] if doc else [])
         if fields:
@@ -342,6 +339,23 @@ def write_manual(schema, path, template):
         out += ["", f"## {name}"] + ([doc] if doc else []) + [""]
         out += table(["value", "no.", "meaning"],
                      [[f"`{v}`", str(n), d] for v, n, d in values])
+    return out
+
+
+def write_manual(schema, path, template, whole):
+    """The template with its tables; whole: and every message, as the site has
+    it, where the tree has pelagos.proto for that."""
+    with open(template, encoding="utf-8") as f:
+        out = f.read().rstrip().split("\n")
+    for name, make in TABLES.items():
+        place = out.index(name)
+        out[place:place + 1] = make()
+    if whole:
+        out += message_tables(schema)
+    else:
+        names = "|".join(n.lower() for n in [*schema.messages, *schema.enums])
+        out = [re.sub(rf"\]\(#({names})\)", "](pelagos.proto)", line)
+               for line in out]
     with open(path, "w", encoding="utf-8") as f:
         f.write("\n".join(out) + "\n")
 
@@ -465,11 +479,11 @@ def main(argv):
         write_c(Schema(argv[2]), argv[3])
     elif len(argv) == 5 and argv[1] == "python":
         write_python(Schema(argv[2]), argv[3], argv[4])
-    elif len(argv) == 5 and argv[1] == "manual":
-        write_manual(Schema(argv[2]), argv[3], argv[4])
+    elif len(argv) == 5 and argv[1] in ("manual", "whole"):
+        write_manual(Schema(argv[2]), argv[3], argv[4], argv[1] == "whole")
     else:
         raise SchemaError("usage: fields.py c PROTO OUT | python PROTO OUT "
-                          "VERSION | manual PROTO OUT TEMPLATE")
+                          "VERSION | manual | whole PROTO OUT TEMPLATE")
 
 
 if __name__ == "__main__":

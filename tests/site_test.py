@@ -62,6 +62,8 @@ class Site(unittest.TestCase):
         self.assertIn('id="pelagos.client.Ocean.surface"',
                       self.text("python.html"))
         self.assertIn("--token-file", self.text("programs.html"))
+        for word in ('id="weatherfield"', "Mean wind speed 10 m above the sea"):
+            self.assertIn(word, self.text("proto/manual.html"))
         self.assertRegex(self.text("docs/architecture.html"),
                          r"graphviz-[0-9a-f]+\.svg")
         self.assertGreater(
@@ -106,11 +108,11 @@ class Site(unittest.TestCase):
         site = self.work / self.id()
         shutil.copytree(self.site, site)
         with open(site / "docs/lights.html", "a", encoding="utf-8") as f:
-            f.write('<a href="physics.html#no-such">x</a>')
+            f.write('<a href="models.html#no-such">x</a>')
         said = run("/usr/bin/python3", "-B", SITE / "links.py", site)
         self.assertEqual(said.returncode, 1)
         self.assertEqual(said.stderr, "docs/lights.html: "
-                         "physics.html#no-such has no such anchor\n")
+                         "models.html#no-such has no such anchor\n")
 
 
 class Charts(unittest.TestCase):

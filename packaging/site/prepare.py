@@ -111,9 +111,23 @@ class Site:
         return re.sub("\0(\\d+)\0", lambda m: hidden[int(m[1])],
                       LINK.sub(one, "".join(pieces)))
 
+    def whole_manual(self):
+        """The manual with every message as a table: the tree leaves those to
+        pelagos.proto."""
+        made = self.out / "manual.md"
+        self.out.mkdir(parents=True, exist_ok=True)
+        proto = self.tree / "proto"
+        subprocess.run(["/usr/bin/python3", "-B", proto / "fields.py", "whole",
+                        proto / "pelagos.proto", made,
+                        proto / "manual.in.md"], check=True)
+        text = made.read_text(encoding="utf-8")
+        made.unlink()
+        return text
+
     def page(self, name):
         """A page of the tree, its links and charts as the site has them."""
-        text = (self.tree / name).read_text(encoding="utf-8")
+        text = self.whole_manual() if name == "proto/manual.md" else \
+            (self.tree / name).read_text(encoding="utf-8")
         out, fence, chart = [], None, []
         for line in text.split("\n"):
             mark = FENCE.match(line)

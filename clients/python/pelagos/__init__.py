@@ -9,7 +9,7 @@
     surface.height                        # m, float64, (2,)
 
 Fields have the names of the schema everywhere (`sea.windSpeed`), angles are
-degrees, lengths metres, times seconds. proto/manual.md of the project names
+degrees, lengths metres, times seconds. proto/pelagos.proto of the project names
 every field with its unit and range; so does `ocean.fields()`.
 """
 from .camera import (EARTH_RADIUS, STANDARD_REFRACTION, Camera, Horizon,
