@@ -25,7 +25,7 @@ C_LIKE = {".c", ".h", ".def", ".glsl", ".frag", ".vert", ".comp", ".js",
 COMMENT = re.compile(r"/\*.*?\*/|(?://[^\n]*\n[ \t]*)*//[^\n]*", re.S)
 STRING = re.compile(r'"(?:[^"\\\n]|\\.)*"')
 PYTHON = re.compile(r'"""(?s:.*?)"""|(?:^[ \t]*#[^\n]*\n?)+', re.M)
-OPENS = re.compile(r"(?:^|(?<=[.!?;:|] )|(?<=^[-*] )|(?<=\*\* ))"
+OPENS = re.compile(r"(?:^ *(?:[-*] +)?|[.!?;:|] +|\*\* +)"
                    r"(Of|What|Whose)\b[^.!?|]*[.!?|]?", re.M)
 WORDS = re.compile(r"\b(no more\b(?! than)|anew|whence|com(?:e|es|ing) by|"
                    r"came by)\b", re.I)
@@ -66,10 +66,9 @@ def faults(path, text):
         joined = re.sub(r"(?<=[^\n|])\n[ \t]*(?=[^\s|*#-])",
                         lambda m: " " * len(m[0]), part.lstrip())
         lead = at + len(part) - len(part.lstrip())
-        joined = re.sub(r" {2,}(?=\S)", lambda m: " " * len(m[0]), joined)
         for match in OPENS.finditer(joined):
             if not match[0].rstrip().endswith("?"):
-                yield lead + match.start(1), match[0][:60]
+                yield lead + match.start(1), match[0].strip()[:60]
         for match in WORDS.finditer(part):
             yield at + match.start(), match[0]
 
