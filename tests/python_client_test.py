@@ -446,6 +446,45 @@ class Pictures(OceanCase):
                             1e-3 if height > 1000 else 2e-5, f"{height} m")
         self.assertGreaterEqual(seen, 40)
 
+    def test_sea_from_space(self):
+        """A camera high up agrees with position, depth and the limb: the
+        daemon draws the ellipsoid there. The sphere is 5 px off at the limb
+        from 400 km, 41 px from 3,000 km."""
+        o = Ocean(self.url, timeout=300)
+        self.addCleanup(o.close)
+        o.set(sea={"windSpeed": 0})
+        self.addCleanup(o.patch, {"origin": None, "sea": {"level": None},
+                                  "views": {"bridge": {"at": None}}})
+        view = o.views["bridge"]
+        for height, latitude, away, pitch, level in (
+                (25e3, 52.6, 0, -10, 0), (400e3, 5, 0, -25, 0),
+                (400e3, -70, 20, -60, 2), (3000e3, 40, 0, -50, 0)):
+            o.patch({"origin": {"latitude": latitude}, "sea": {"level": level},
+                     "views": {"bridge": {
+                         "entity": None, "up": height, "yaw": 30,
+                         "at": {"latitude": latitude + away, "longitude": 30},
+                         "pitch": pitch, "fieldOfView": 40, "width": 320,
+                         "height": 180}}})
+            exr = view.frame("exr", layers=("depth", "position")).exr()
+            camera = Camera.of_exr(exr)
+            sea = np.isfinite(exr["depth"])
+            v, u = np.nonzero(sea)
+            back = camera.project(exr["position"][sea])
+            self.assertLess(np.abs(back - np.stack([u, v], -1) - 0.5).max(),
+                            0.02, f"{height} m")
+            off = camera.unproject(exr["depth"])[sea] - exr["position"][sea]
+            # depth is a float: 0.25 m at 3,000 km
+            self.assertLess(np.linalg.norm(off, axis=-1).max(), 5,
+                            f"{height} m")
+            horizon = view.horizon()
+            if not sea.all():
+                self.assertLess(np.abs(horizon.rows - sea.argmax(0)).max(),
+                                0.6, f"{height} m")
+                farthest = np.linalg.norm(
+                    (exr["position"][sea] - camera.position)[:, :2], axis=-1)
+                self.assertLess(farthest.max(), 1.005 * horizon.distance)
+                self.assertGreater(farthest.max(), 0.9 * horizon.distance)
+
     def test_camera_axes(self):
         """A camera in the world at height 30 that looks east: what is north
         of the axis lies to the left, what is low lies low."""

@@ -12,7 +12,8 @@ the horizon dips and what is far sinks: of a point X of the world
     (u, v, 1) = K @ x / x[2]          intrinsics K, (3, 3)
 
 Camera.project and Camera.unproject do all of it. At 1 km what is far has sunk
-by 8 cm, at 8 km by 5 m.
+by 8 cm, at 8 km by 5 m. From 20 km above the sea on the sphere is the WGS 84
+ellipsoid, as pictures from there show it.
 """
 from __future__ import annotations
 
@@ -23,7 +24,8 @@ from typing import TYPE_CHECKING, Any
 from . import need
 from .errors import BadPicture
 from .exr import Exr
-from .schema import View
+from .geo import arrival
+from .schema import Origin, View
 
 if TYPE_CHECKING:
     import numpy as np
@@ -32,6 +34,9 @@ if TYPE_CHECKING:
 
 #: Radius of the sphere that the daemon lays the sea on [m].
 EARTH_RADIUS = 6360000.0
+#: Height above the sea from which pictures show the ellipsoid instead [m].
+SPACE = 20000.0
+_MAJOR, _MINOR = 6378137.0, 6356752.314245179  # WGS 84 [m]
 #: Of air as it mostly is: what light bends, over what the Earth does.
 STANDARD_REFRACTION = 0.13
 
@@ -113,34 +118,110 @@ class Intrinsics:
         return out / np.linalg.norm(out, axis=-1, keepdims=True)
 
 
-def _bent(off: "NDArray[np.float64]") -> "NDArray[np.float64]":
-    """From the eye as it is seen, (..., 3), of what the map has that far to the
-    east, north and up (server/scene/globe.c)."""
+class _Sphere:
+    """The map as it is laid about an eye near the sea (server/scene/globe.c).
+    Offsets are from the eye, (..., 3): east, north, up [m]."""
+
+    def bent(self, off: "NDArray[np.float64]") -> "NDArray[np.float64]":
+        """What the map has there, as it is seen."""
+        np = need.numpy()
+        arc = np.hypot(off[..., 0], off[..., 1])
+        flat = arc
+        # flat = arc cos(flat / 2R): each round is (arc / 2R)^2 nearer.
+        for _ in range(12):
+            flat = arc * np.cos(0.5 * flat / EARTH_RADIUS)
+        share = np.divide(flat, arc, out=np.ones_like(arc), where=arc > 0)
+        return np.stack([share * off[..., 0], share * off[..., 1],
+                         off[..., 2] - self._drop(flat)], -1)
+
+    def laid(self, off: "NDArray[np.float64]") -> "NDArray[np.float64]":
+        """The inverse of bent."""
+        np = need.numpy()
+        flat = np.hypot(off[..., 0], off[..., 1])
+        stretch = 1.0 / np.cos(0.5 * flat / EARTH_RADIUS)
+        return np.stack([stretch * off[..., 0], stretch * off[..., 1],
+                         off[..., 2] + self._drop(flat)], -1)
+
+    def _drop(self, flat: "NDArray[np.float64]") -> "NDArray[np.float64]":
+        """Depth of the sphere below the eye's level."""
+        np = need.numpy()
+        half = np.sin(0.5 * flat / EARTH_RADIUS)
+        return 2.0 * EARTH_RADIUS * half * half
+
+
+class _Ellipsoid:
+    """The same of an eye high up: WGS 84, made a sphere by an affine map, in
+    whose frame the eye stands on the z axis (server/render/spacegeometry.c).
+
+    matrix  of directions and lengths into that frame, (3, 3)
+    eye     distance of the eye from its middle [m]
+    """
+
+    def __init__(self, height: float, latitude: float, turn: float) -> None:
+        """height above the ellipsoid [m], geodetic latitude [deg], the map's
+        north clockwise of true north [rad]."""
+        np = need.numpy()
+        self.height = height
+        f = math.radians(latitude)
+        up = np.array([math.cos(f), 0.0, math.sin(f)])
+        east, north = np.array([0.0, 1.0, 0.0]), np.array([-up[2], 0.0, up[0]])
+        axes = np.stack([math.cos(turn) * east + math.sin(turn) * north,
+                         math.cos(turn) * north - math.sin(turn) * east, up])
+        half = np.array([_MAJOR, _MAJOR, _MINOR])
+        eye = up * half ** 2 / np.linalg.norm(up * half) + up * height
+        eye, axes = EARTH_RADIUS * eye / half, EARTH_RADIUS * axes / half
+        self.eye = float(np.linalg.norm(eye))
+        z = eye / self.eye
+        x = axes[0] - z * (z @ axes[0])
+        x /= np.linalg.norm(x)
+        self.matrix = np.stack([x, np.cross(z, x), z]) @ axes.T
+
+    def laid(self, off: "NDArray[np.float64]") -> "NDArray[np.float64]":
+        np = need.numpy()
+        at = off @ self.matrix.T + np.array([0.0, 0.0, self.eye])
+        flat = np.hypot(at[..., 0], at[..., 1])
+        angle = np.arctan2(flat, at[..., 2])
+        far = np.linalg.norm(at, axis=-1)
+        stretch = np.divide(angle * far, flat, out=np.ones_like(flat),
+                            where=flat > 0)
+        return np.stack([stretch * off[..., 0], stretch * off[..., 1],
+                         far - EARTH_RADIUS - self.height], -1)
+
+    def bent(self, off: "NDArray[np.float64]") -> "NDArray[np.float64]":
+        """NaN beyond a quarter of the way round."""
+        np = need.numpy()
+        radius = EARTH_RADIUS + off[..., 2] + self.height
+        share = np.ones_like(radius)
+        a = float(self.matrix[:, 2] @ self.matrix[:, 2])
+        for _ in range(8):  # the angle hardly depends on the share
+            level = share[..., None] * off[..., :2] @ self.matrix[:, :2].T
+            level = level + np.array([0.0, 0.0, self.eye])
+            b = level @ self.matrix[:, 2]
+            c = (level * level).sum(-1) - radius ** 2
+            with np.errstate(invalid="ignore"):
+                up = (np.sqrt(b * b - a * c) - b) / a
+            at = level + up[..., None] * self.matrix[:, 2]
+            angle = np.hypot(at[..., 0], at[..., 1]) / radius / share
+            share = np.where(angle < 0.5 * math.pi, np.sinc(angle / math.pi),
+                             np.nan)
+        return np.stack([share * off[..., 0], share * off[..., 1], up], -1)
+
+
+def _met(base: "NDArray[np.float64]", along: "NDArray[np.float64]",
+         sine: float) -> "NDArray[np.float64]":
+    """The two y, (2, n), at which base + y along, (n, 3), has this sine of
+    elevation; NaN: there is none."""
     np = need.numpy()
-    arc = np.hypot(off[..., 0], off[..., 1])
-    flat = arc
-    # flat = arc cos(flat / 2R): each round is (arc / 2R)^2 nearer.
-    for _ in range(12):
-        flat = arc * np.cos(0.5 * flat / EARTH_RADIUS)
-    share = np.divide(flat, arc, out=np.ones_like(arc), where=arc > 0)
-    return np.stack([share * off[..., 0], share * off[..., 1],
-                     off[..., 2] - _drop(flat)], -1)
-
-
-def _laid(off: "NDArray[np.float64]") -> "NDArray[np.float64]":
-    """The inverse of _bent."""
-    np = need.numpy()
-    flat = np.hypot(off[..., 0], off[..., 1])
-    stretch = 1.0 / np.cos(0.5 * flat / EARTH_RADIUS)
-    return np.stack([stretch * off[..., 0], stretch * off[..., 1],
-                     off[..., 2] + _drop(flat)], -1)
-
-
-def _drop(flat: "NDArray[np.float64]") -> "NDArray[np.float64]":
-    """Depth of the sphere below the eye's level."""
-    np = need.numpy()
-    half = np.sin(0.5 * flat / EARTH_RADIUS)
-    return 2.0 * EARTH_RADIUS * half * half
+    # (base + y along).z = sine |base + y along|, squared: a quadratic in y.
+    two = along[2] ** 2 - sine ** 2 * (along @ along)
+    one = 2 * (base[:, 2] * along[2] - sine ** 2 * (base @ along))
+    none = base[:, 2] ** 2 - sine ** 2 * (base * base).sum(-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        root = np.sqrt(one ** 2 - 4 * two * none)
+        y = np.stack([-one + root, -one - root]) / (2 * two)
+        at = base + y[..., None] * along
+        off = np.abs(at[..., 2] - sine * np.linalg.norm(at, axis=-1))
+        return np.where(off < 1e-9 * (1 + np.abs(y)), y, np.nan)
 
 
 @dataclass(frozen=True)
@@ -149,10 +230,14 @@ class Camera:
 
     rotation  world to camera, float64, (3, 3)
     position  of the eye: east, north, up [m], float64, (3,)
+    origin    of the world's east and north
+    level     of the sea there, altitude [m]
     """
     intrinsics: Intrinsics
     rotation: "NDArray[np.float64]"
     position: "NDArray[np.float64]"
+    origin: Origin = Origin()
+    level: float = 0.0
 
     @staticmethod
     def of_exr(picture: Exr) -> Camera:
@@ -173,18 +258,31 @@ class Camera:
         rotation = matrix[:3, :3].T * np.array([[1.0], [-1.0], [1.0]])
         position = -matrix[:3, :3] @ matrix[3, :3]
         high = across / aspect * picture.height / picture.width
+        origin = Origin(*(float(a.get(f"pelagos.origin{axis}", own))
+                          for axis, own in (("Latitude", Origin.latitude),
+                                            ("Longitude", Origin.longitude))))
         return Camera(
             Intrinsics(picture.width, picture.height, center_x - across / 2,
                        center_x + across / 2, center_y + high / 2,
                        center_y - high / 2),
-            rotation, position)
+            rotation, position, origin, float(a.get("pelagos.seaLevel", 0.0)))
+
+    @property
+    def _globe(self) -> "_Sphere | _Ellipsoid":
+        height = float(self.position[2]) - self.level
+        return _Sphere() if height < SPACE else self._below(height)
+
+    def _below(self, height: float) -> _Ellipsoid:
+        east, north = (float(v) for v in self.position[:2])
+        there, turn = arrival(east, north, self.origin)
+        return _Ellipsoid(height, there.latitude, turn)
 
     def project(self, points: "ArrayLike") -> "NDArray[np.float64]":
         """Pixels (u, v), (..., 2), of points of the world, (..., 3): east,
         north, up [m], on the curved sea. NaN for what lies behind the camera."""
         np = need.numpy()
-        x = _bent(np.asarray(points, np.float64)
-                  - self.position) @ self.rotation.T
+        x = self._globe.bent(np.asarray(points, np.float64)
+                             - self.position) @ self.rotation.T
         z = np.where(x[..., 2:] > 0, x[..., 2:], np.nan)
         return ((x / z) @ self.intrinsics.K.T)[..., :2]
 
@@ -200,7 +298,7 @@ class Camera:
                              f"camera {shape}")
         distance = np.where(np.isfinite(distance), distance, np.nan)
         rays = self.intrinsics.rays() @ self.rotation
-        return self.position + _laid(distance[..., None] * rays)
+        return self.position + self._globe.laid(distance[..., None] * rays)
 
     def horizon(self, height: float | None = None,
                 refraction: float = 0.0) -> Horizon:
@@ -218,35 +316,49 @@ class Camera:
             raise ValueError(f"an eye {high:g} m above the sea has no horizon")
         if not refraction < 1:
             raise ValueError(f"refraction is below 1, not {refraction:g}")
-        radius = EARTH_RADIUS / (1 - refraction)
-        # acos(radius / (radius + high)), whose digits go where high is small.
-        dip = math.atan2(math.sqrt(high * (2 * radius + high)), radius)
         i = self.intrinsics
         u = np.concatenate([(np.arange(i.width) + 0.5) / i.width, [0.0, 1.0]])
-        rows = self._rows(i.left + u * (i.right - i.left), -math.sin(dip))
+        x = i.left + u * (i.right - i.left)
+        if high >= SPACE and refraction == 0:
+            dip, distance, rows = self._limb(self._below(high), x)
+        else:
+            radius = EARTH_RADIUS / (1 - refraction)
+            # acos(radius / (radius + high)), whose digits go where high is
+            # small.
+            dip = math.atan2(math.sqrt(high * (2 * radius + high)), radius)
+            distance = radius * dip
+            rows = self._rows(x, -math.sin(dip), np.eye(3))
         middle = i.width // 2
         pixel = i.width / (i.right - i.left) * (i.top - i.bottom) / i.height
         tilt = math.degrees(math.atan(
             (rows[middle] - rows[middle - 1]) * pixel))
-        return Horizon(math.degrees(dip), radius * dip, rows[:-2],
+        return Horizon(math.degrees(dip), distance, rows[:-2],
                        float(rows[-2]), float(rows[-1]), tilt)
 
-    def _rows(self, x: "NDArray[np.float64]",
-              sine: float) -> "NDArray[np.float64]":
+    def _limb(self, globe: _Ellipsoid, x: "NDArray[np.float64]"
+              ) -> "tuple[float, float, NDArray[np.float64]]":
+        """Dip [rad] and distance of the ellipsoid's edge where the camera
+        looks, and its rows."""
+        np = need.numpy()
+        tangent = math.sqrt(globe.eye ** 2 - EARTH_RADIUS ** 2)
+        sine = -tangent / globe.eye
+        ahead = math.atan2(*self.rotation[2, :2])
+        level = np.array([[math.sin(ahead), math.cos(ahead), 0.0]])
+        low = np.nanmin(_met(level @ globe.matrix.T, globe.matrix[:, 2], sine))
+        way = level[0] + np.array([0.0, 0.0, low])
+        way *= tangent / np.linalg.norm(globe.matrix @ way)
+        return (-math.atan(low), float(np.hypot(*globe.laid(way)[:2])),
+                self._rows(x, sine, globe.matrix))
+
+    def _rows(self, x: "NDArray[np.float64]", sine: float,
+              matrix: "NDArray[np.float64]") -> "NDArray[np.float64]":
         """Rows at which directions (x, y, 1) of the camera have this sine of
-        elevation: of two, the one nearer the picture's middle."""
+        elevation in the frame of matrix: of two, the one nearer the picture's
+        middle."""
         np = need.numpy()
         i = self.intrinsics
-        up = self.rotation[:, 2]
-        # up . (x, y, 1) = sine |(x, y, 1)|, squared: a quadratic in y.
-        a = up[0] * x + up[2]
-        two, one = up[1] ** 2 - sine ** 2, 2 * a * up[1]
-        none = a ** 2 - sine ** 2 * (x ** 2 + 1)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            root = np.sqrt(one ** 2 - 4 * two * none)
-            y = np.stack([(-one + root) / (2 * two), (-one - root) / (2 * two)])
-            off = np.abs((a + up[1] * y) - sine * np.sqrt(x ** 2 + y ** 2 + 1))
-            y = np.where(off < 1e-9 * (1 + np.abs(y)), y, np.nan)
+        right, down, ahead = (matrix @ self.rotation.T).T
+        y = _met(x[:, None] * right + ahead, down, sine)
         away = np.abs(y + 0.5 * (i.top + i.bottom))
         first = np.nan_to_num(away[0], nan=np.inf) <= np.nan_to_num(
             away[1], nan=np.inf)

@@ -67,6 +67,13 @@ def to_local(latitude: float, longitude: float,
 def to_geographic(east: float, north: float,
                   origin: Origin = Origin()) -> Geographic:
     """Latitude and longitude [deg] of a place [m]: the inverse."""
+    return arrival(east, north, origin)[0]
+
+
+def arrival(east: float, north: float,
+            origin: Origin = Origin()) -> "tuple[Geographic, float]":
+    """The same, and what the map's north has turned from true north on the way
+    there by the geodesic from `origin` [rad, clockwise]."""
     distance = math.hypot(east, north)
     azimuth = math.atan2(east, north) if distance > 0 else 0.0
     u1 = _reduced(origin.latitude)
@@ -92,8 +99,10 @@ def to_geographic(east: float, north: float,
         sine * math.sin(azimuth),
         math.cos(u1) * cosine - math.sin(u1) * sine * math.cos(azimuth))
     away = turn - _lag(alpha, cos2, arc, sine, cosine, middle)
-    return Geographic(math.degrees(latitude), math.remainder(
+    there = Geographic(math.degrees(latitude), math.remainder(
         origin.longitude + math.degrees(away), 360.0))
+    return there, (math.remainder(azimuth - math.atan2(alpha, -x), math.tau)
+                   if distance > 0 else 0.0)
 
 
 def convergence(latitude: float, longitude: float,

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from .camera import Camera, Horizon, Intrinsics
@@ -181,8 +182,7 @@ class ViewHandle(_Handle):
         EXR frame already, Camera.of_exr(frame.exr()) is free and exact."""
         small = self.frame("exr", width=16, height=16, time=time)
         pose = Camera.of_exr(small.exr())
-        return Camera(self.intrinsics(width, height), pose.rotation,
-                      pose.position)
+        return replace(pose, intrinsics=self.intrinsics(width, height))
 
     def live(self, *, fps: float | None = None, quality: int | None = None,
              width: int | None = None, height: int | None = None,
