@@ -77,6 +77,28 @@ static GstPadProbeReturn on_heard(GstPad *pad, GstPadProbeInfo *info,
     return GST_PAD_PROBE_OK;
 }
 
+static GstPadProbeReturn drop_data(GstPad *pad, GstPadProbeInfo *info,
+                                   gpointer user)
+{
+    (void)pad;
+    (void)info;
+    (void)user;
+    return GST_PAD_PROBE_DROP;
+}
+
+/* What comes by DTLS that is no media: a peer begins SCTP whether or not its
+ * line of data was taken. No element takes it, and the pipeline would fail. */
+static void on_dtls_pad(GstElement *dtls, GstPad *pad, gpointer user)
+{
+    (void)dtls;
+    (void)user;
+    if (GST_PAD_IS_SRC(pad)) {
+        gst_pad_add_probe(
+            pad, GST_PAD_PROBE_TYPE_BUFFER | GST_PAD_PROBE_TYPE_BUFFER_LIST,
+            drop_data, NULL, NULL);
+    }
+}
+
 /* Nobody reads the bus: what is put there would stay. What is dropped is ours
  * to release. */
 static GstBusSyncReply on_message(GstBus *bus, GstMessage *message,
@@ -98,11 +120,17 @@ static void on_element(GstBin *bin, GstBin *sub, GstElement *element,
     (void)bin;
     (void)sub;
     GstElementFactory *factory = gst_element_get_factory(element);
-    if (factory && strcmp(GST_OBJECT_NAME(factory), "nicesrc") == 0) {
-        GstPad *pad = gst_element_get_static_pad(element, "src");
+    const char *kind = factory ? GST_OBJECT_NAME(factory) : "";
+    GstPad *pad = gst_element_get_static_pad(element, "src");
+    if (pad && strcmp(kind, "nicesrc") == 0) {
         gst_pad_add_probe(pad, GST_PAD_PROBE_TYPE_BUFFER, on_heard, user, NULL);
-        gst_object_unref(pad);
+    } else if (strcmp(kind, "dtlsdec") == 0) {
+        g_signal_connect(element, "pad-added", G_CALLBACK(on_dtls_pad), NULL);
+        if (pad) {
+            on_dtls_pad(element, pad, NULL);
+        }
     }
+    g_clear_object(&pad);
 }
 
 /* --- making --------------------------------------------------------------- */
