@@ -156,6 +156,13 @@ describe("WebRTC", () => {
           sdp: await answer.text() });
       }, lines);
       await plays();
+      // What Chromium sends for its channel of data ends nothing.
+      const before = await frames();
+      await until("pictures go on", async () => await frames() > before + 10);
+      assert.equal(await daemon.metric("pelagos_whep_connected"), 1);
+      await page.goto("about:blank");
+      await until("its session ends", async () =>
+        await daemon.metric("pelagos_whep_sessions") === 0);
     });
   }
 

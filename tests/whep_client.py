@@ -24,11 +24,27 @@ SHOW = ("queue ! {} ! videoconvert ! video/x-raw,format=GRAY8 ! appsink name=out
         "max-buffers=4 drop=true sync=false")
 
 
+def taken(answer):
+    """The answer as if its refused line of data were taken: Pion begins SCTP
+    in spite of a refusal."""
+    media, data = answer.split("m=application 0 ", 1)
+    mid = re.search(r"a=mid:(\S+)", data).group(1)
+    transport = re.findall(r"a=(?:ice-ufrag|ice-pwd|setup|fingerprint):.*\r\n",
+                           media)
+    return (re.sub(r"(a=group:BUNDLE .*)\r\n", rf"\1 {mid}\r\n", media)
+            + "m=application 9 UDP/DTLS/SCTP webrtc-datachannel\r\n"
+            f"c=IN IP4 0.0.0.0\r\na=mid:{mid}\r\na=sctp-port:5000\r\n"
+            + "".join(transport))
+
+
 class Player:
     """Makes an offer; `answered(sdp)` connects; frames() takes pictures."""
 
-    def __init__(self, asks_again=False, address="127.0.0.1", codec="H264"):
-        """asks_again: for lost packets (NACK, RTX); address: its own."""
+    def __init__(self, asks_again=False, address="127.0.0.1", codec="H264",
+                 data=False):
+        """asks_again: for lost packets (NACK, RTX); address: its own; data:
+        with a channel of data, which it begins whatever the answer says."""
+        self.data = data
         self.codec = codec
         self.pipeline = Gst.Pipeline()
         self.web = Gst.ElementFactory.make("webrtcbin")
@@ -48,6 +64,8 @@ class Player:
         if asks_again:
             self.web.emit("get-transceiver", 0).set_property("do-nack", True)
         self.pipeline.set_state(Gst.State.PLAYING)
+        if data:
+            self.channel = self.web.emit("create-data-channel", "d", None)
 
     def wait(self, signal, *values):
         promise = Gst.Promise.new()
@@ -75,6 +93,8 @@ class Player:
         return self.web.get_property("local-description").sdp.as_text()
 
     def answered(self, text):
+        if self.data:
+            text = taken(text)
         _, sdp = GstSdp.SDPMessage.new_from_text(text)
         self.wait("set-remote-description",
                   GstWebRTC.WebRTCSessionDescription.new(
@@ -114,6 +134,7 @@ class Lossy:
 
     def __init__(self, seed):
         self.share, self.dropped = 0, 0
+        self.again, self.kind = 0, None  # packets of RTX, by their type
         self.random = random.Random(seed)
         self.player = None
         self.inside, self.outside = (
@@ -123,6 +144,7 @@ class Lossy:
 
     def answer(self, text):
         """The answer as a player gets it: the way leads over the relay."""
+        self.kind = int(re.search(r"a=rtpmap:(\d+) rtx/", text).group(1))
         found = re.search(r"candidate:\S+ 1 UDP \d+ 127\.0\.0\.1 (\d+)", text)
         self.inside.connect(("127.0.0.1", int(found.group(1))))
         for way in (self._up, self._down):
@@ -150,6 +172,7 @@ class Lossy:
                 continue
             # RFC 7983: RTP and RTCP from 128 to 191; RTCP by its second byte.
             media = 128 <= data[0] < 192 and not 200 <= data[1] <= 207
+            self.again += media and data[1] & 127 == self.kind
             if media and self.random.random() < self.share:
                 self.dropped += 1
             elif self.player:
