@@ -13,7 +13,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 COVERED = """
-README.md CONTRIBUTING.md docs proto/live.md proto/pelog.md
+README.md CHANGELOG.md CONTRIBUTING.md docs proto/live.md proto/pelog.md
 proto/manual.in.md proto/nmea.in.md
 proto/modbus_client.md tests/lint tests/models packaging/image clients/voyage
 clients/ros2/pelagos_bridge/launch
