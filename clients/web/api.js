@@ -4,6 +4,8 @@
 // long as the tab.
 
 const TIMEOUT_MS = 5000;
+// The server makes a sea or a shape, or reads a file, before it takes an edit.
+const EDIT_MS = 60000;
 const KEY = "pelagos-token";
 
 export class Problem extends Error {
@@ -77,7 +79,7 @@ async function asked(method, path, body, more) {
     response = await fetch(path, {
       method,
       cache: "no-store",
-      signal: AbortSignal.timeout(TIMEOUT_MS),
+      signal: AbortSignal.timeout(method === "GET" ? TIMEOUT_MS : EDIT_MS),
       headers: headers(more),
       body: body === undefined ? undefined : JSON.stringify(body),
     });

@@ -342,8 +342,8 @@ export class Recordings {
   show({ recordings = [], writing, possible }) {
     this.writing = writing;
     this.record.textContent = writing ? "Stop recording" : "Record";
-    this.record.setAttribute("aria-label", writing ? "Stop the recording"
-      : "Begin a recording");
+    this.record.title = writing ? "Stop recording" : "Begin a recording";
+    this.record.setAttribute("aria-label", this.record.title);
     this.record.disabled = !possible && !writing;
     this.name.hidden = Boolean(writing) || !possible;
     this.note.textContent = writing ? `Recording to ${writing}.` : possible

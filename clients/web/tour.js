@@ -11,13 +11,13 @@ const STEPS = [
     "time of day. The picture follows at once, for everybody who watches.",
   "#aside"],
   ["Put ships on it", "On the plan, choose a shape, press “Add by a click”, and " +
-    "click its place. P makes the plan large.", "#plan-box"],
+    "click its place. P makes the plan large.", "#plan-box", "#add"],
 ];
 
 let strip = null;
 
 function step(index) {
-  const [title, text, target] = STEPS[index];
+  const [title, text, target, needed] = STEPS[index];
   strip.querySelector(".tour-count").textContent =
     `${index + 1} of ${STEPS.length}`;
   strip.querySelector("strong").textContent = title;
@@ -29,6 +29,9 @@ function step(index) {
     node.classList.remove("tour-target"));
   document.querySelector(target)?.classList.add("tour-target");
   strip.dataset.step = index;
+  if (needed) { // below the fold of a small window
+    document.querySelector(needed)?.scrollIntoView({ block: "nearest" });
+  }
 }
 
 function end() {

@@ -107,7 +107,7 @@ export class Traffic {
       group.label = label;
       group.append(...this.catalogue.models.filter(holds).map((m) => {
         const option = element("option", "",
-          m.error ? `${m.name} (${m.error})`
+          m.error ? `${m.name} (${m.error.message.replace(`${m.name}: `, "")})`
             : m.builtin ? words(m.name) : m.name);
         option.value = m.name;
         option.disabled = Boolean(m.error);
