@@ -16,7 +16,7 @@ import time
 import unittest
 
 import cluster_case as case
-from pelagos_daemon import BIN, Daemon, log_entries, schema, until
+from pelagos_daemon import BIN, SLOW_S, Daemon, log_entries, schema, until
 
 NEVER = {"sea": {"windSpeed": 23.5}}  # of edits that nobody seals
 AHEAD_S = 10.5  # from one whole state to the next, and a little
@@ -113,7 +113,8 @@ class Recorded(unittest.TestCase):
 
     def never_sealed(self, master):  # its edits wait for etcd
         """An edit that the master accepts while etcd stands; its answer comes
-        into the list."""
+        into the list: a refusal, when it gives up, which a starved machine may
+        see before it sees the edit."""
         answers = []
         time.sleep(0.2)  # a frame is under way, that has it not
 
@@ -121,9 +122,9 @@ class Recorded(unittest.TestCase):
             with contextlib.suppress(OSError, http.client.HTTPException):
                 answers.append(master.patch(NEVER))
         threading.Thread(target=send, daemon=True).start()
-        until("it is accepted", lambda: master.state()["sea"]["windSpeed"] ==
-              NEVER["sea"]["windSpeed"])
-        self.assertEqual(answers, [])
+        until("it is accepted", lambda: answers or master.state()["sea"][
+            "windSpeed"] == NEVER["sea"]["windSpeed"])
+        self.assertLessEqual({answer.status for answer in answers}, {409})
         return answers
 
     def sail(self, seconds, *nodes):
@@ -171,8 +172,8 @@ class Recorded(unittest.TestCase):
         out = tempfile.mkdtemp(dir=self.folder)
         with Daemon("--quality", "full") as alone:
             subprocess.run(
-                [os.path.join(BIN, "pelagosctl"), "replay", *paths, "--view",
-                 "bridge", "--frames", out, "--at",
+                [os.path.join(BIN, "pelagosctl"), "--timeout", f"{SLOW_S:g}",
+                 "replay", *paths, "--view", "bridge", "--frames", out, "--at",
                  ",".join(repr(t) for t in times)],
                 check=True, stdout=subprocess.DEVNULL, env={
                     **os.environ,
@@ -264,8 +265,8 @@ class Recorded(unittest.TestCase):
         self.sail(6, a, b)
         answer = b.request("POST", "/v1/recording", {"start": "late"})
         self.assertEqual(answer.status, 409, answer)  # --record has it
-        for _ in range(5):
-            last = self.sail(9, a, b)
+        for turn in range(12):
+            last = self.sail(2 if turn else 9, a, b)
             killed = self.master(a, b)
             other = b if killed is a else a
             with self.etcd_stands(2.2):

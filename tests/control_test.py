@@ -16,7 +16,7 @@ import time
 from pymodbus.client import ModbusTcpClient
 
 from modbus_test import COMMIT, WIND, check, floats
-from pelagos_daemon import ROOT, SANITIZED, Daemon, free_port, until
+from pelagos_daemon import ROOT, SANITIZED, SLOW_S, Daemon, free_port, until
 
 
 def work(daemon):
@@ -77,6 +77,10 @@ def light(daemon):
     return run
 
 
+def clock(daemon):
+    return daemon.state()["clock"]["time"]
+
+
 def own_ship(daemon):
     """It sails on a sea of FFT: a thread takes its steps, five a second, ahead
     of the control thread, which may have to take the first."""
@@ -86,17 +90,21 @@ def own_ship(daemon):
     check(answer.status == 200, f"{answer.body[:200]}")
     before = daemon.state()
     until("it is ahead", lambda: work(daemon).get("own ship ahead", 0) > 0)
-    first = work(daemon).get("own ship", 0)
-    time.sleep(4)
-    now = daemon.state()
-    took = work(daemon).get("own ship", 0) - first
-    seconds = now["clock"]["time"] - before["clock"]["time"]
-    check(now["entities"][0]["pitch"] != before["entities"][0]["pitch"],
-          "it pitches")
-    print(f"  own ship: {took:.0f} steps of {seconds / 0.2:.0f} on the control "
-          "thread")
-    # A sanitizer's thread does not keep ahead of it.
-    check(SANITIZED or took < 0.2 * seconds / 0.2, f"{took} in {seconds} s")
+    until("it pitches", lambda: daemon.state()["entities"][0]["pitch"] !=
+          before["entities"][0]["pitch"])
+
+    def is_ahead():
+        """For two seconds. A machine that gives the thread no processor for
+        longer than it is ahead leaves steps to the control thread meanwhile."""
+        first, begun = work(daemon).get("own ship", 0), clock(daemon)
+        time.sleep(2)
+        took = work(daemon).get("own ship", 0) - first
+        steps = (clock(daemon) - begun) / 0.2
+        print(f"  own ship: {took:.0f} steps of {steps:.0f} on the control "
+              "thread")
+        # A sanitizer's thread does not keep ahead of it.
+        return SANITIZED or took < 0.2 * steps
+    until("the steps are taken ahead", is_ahead)
 
 
 def winds_by_modbus(daemon, port):
@@ -133,8 +141,8 @@ def slower():
     return max(1.0, took_ms / LOOP_MS)
 
 
-def asked(daemon, role, *request):
-    return daemon.request(*request, headers={
+def asked(daemon, role, *request, timeout=SLOW_S):
+    return daemon.request(*request, timeout=timeout, headers={
         "Authorization": "Bearer " + TOKENS[role]})
 
 
@@ -166,7 +174,8 @@ def longest(daemon):
 def flood(daemon, role, *request):
     def run():
         for _ in range(6):
-            answer = asked(daemon, role, *request)
+            # Questions behind pictures get what others leave of the machine.
+            answer = asked(daemon, role, *request, timeout=10 * SLOW_S)
             check(answer.status in (200, 429, 503), f"{answer}")
     return run
 
@@ -228,7 +237,7 @@ def nobody_is_kept_waiting():
         with open(f"{exercises}/e{i}.json", "w", encoding="utf-8") as f:
             f.write(text[:-1] + " " * (700_000 - len(text)) + "}")
     points = {"points": [[i % 100, i // 100] for i in range(10000)]}
-    bar = MOST_MS * slower() * (40 if SANITIZED else 1)
+    slow = slower()
     found = [under_flood(tokens, exercises, *one) for one in (
         ("surface of 10,000 points",
          [("watch", "POST", "/v1/surface", points)] * 6),
@@ -239,6 +248,8 @@ def nobody_is_kept_waiting():
                        ("instruct", "GET", "/v1/exercises/e3")] * 2),
         ("the largest patch", [], largest_patch))]
     shutil.rmtree(folder)
+    # The slower of before and after: others may come meanwhile.
+    bar = MOST_MS * max(slow, slower()) * (40 if SANITIZED else 1)
     for name, took, what in found:
         check(took < bar, f"{name}: {took:.1f} ms of the control thread by "
                           f"\"{what}\", {bar:.1f} at most")

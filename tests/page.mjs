@@ -48,13 +48,14 @@ export async function open(url, { wait = true, init, tour = false,
   }
   await page.goto(url);
   if (wait) {
-    await pictures(1);
+    await until("a picture", async () => await shown() > 0);
   }
   return page;
 }
 
+const shown = () => page.locator(".tile:has(.tile-note[hidden])").count();
 export const pictures = (count) => until(`${count} pictures`, async () =>
-  await page.locator(".tile:has(.tile-note[hidden])").count() === count);
+  await shown() === count);
 export const shot = (name) =>
   page.screenshot({ path: path.join(SHOTS, `${name}.png`) });
 export const slide = (id, value) =>
