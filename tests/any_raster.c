@@ -32,7 +32,7 @@ static int read_it(unsigned walls, const char *name)
 {
     static const char *const readable[] = { ".", "/usr/share/proj",
                                             "/usr/share/gdal", NULL };
-    const struct pel_sandbox sandbox = { readable, 10, 1u << 30, walls };
+    const struct pel_sandbox sandbox = { readable, NULL, 10, 1u << 30, walls };
     struct pel_fault fault;
     float value = 0;
     CPLPushErrorHandler(CPLQuietErrorHandler);

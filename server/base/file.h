@@ -20,11 +20,20 @@ PEL_CHECK enum pel_err pel_file_open(const char *path, int *out,
 PEL_CHECK enum pel_err pel_file_read(const char *path, size_t most, char **out,
                                      size_t *size, struct pel_fault *fault);
 
-/* Whether what is at `path`, below a directory of ours, is there and not behind
- * a link that leads out of it; links within it are all right. INVALID: it
- * leads out; what is not there is for who opens it. */
-PEL_CHECK enum pel_err pel_file_inside(const char *directory, const char *path,
-                                       struct pel_fault *fault);
+/* What is at `name`, a path below a directory of ours: a descriptor for
+ * fstat() and openat(), which reads nothing (O_PATH). Links that stay in the
+ * directory are followed; INVALID: one leads out. Whoever may change the
+ * directory meanwhile brings nothing in from outside: what was opened is
+ * judged, not its name. NOT_FOUND, IO. */
+PEL_CHECK enum pel_err pel_file_find_in(const char *directory, const char *name,
+                                        int *out, struct pel_fault *fault);
+
+/* As pel_file_open and pel_file_read, of what pel_file_find_in finds. */
+PEL_CHECK enum pel_err pel_file_open_in(const char *directory, const char *name,
+                                        int *out, struct pel_fault *fault);
+PEL_CHECK enum pel_err pel_file_read_in(const char *directory, const char *name,
+                                        size_t most, char **out, size_t *size,
+                                        struct pel_fault *fault);
 
 /* Writes all of it, however often the system takes part of it; false: errno.
  * What was written till then is in the file. */

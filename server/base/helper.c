@@ -305,9 +305,11 @@ static bool well_formed(const char *file)
 }
 
 enum pel_err pel_helper_find(const char *directory, const char *file,
-                             char path[4096], struct pel_fault *fault)
+                             struct pel_fault *fault)
 {
-    struct stat is;
+    struct stat is = { 0 };
+    struct pel_fault why;
+    int found;
     if (!well_formed(file)) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "%.60s: it must be the path of a file below "
@@ -315,10 +317,16 @@ enum pel_err pel_helper_find(const char *directory, const char *file,
                              "not begin with . or -",
                              file, directory);
     }
-    if (snprintf(path, 4096, "%s/%s", directory, file) >= 4096 ||
-        stat(path, &is) || !S_ISREG(is.st_mode)) {
-        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
-                             "%.80s: no such file in %.120s", file, directory);
+    enum pel_err err = pel_file_find_in(directory, file, &found, &why);
+    if (!err) {
+        err = fstat(found, &is) ? PEL_ERR_IO : PEL_OK;
+        close(found);
     }
-    return pel_file_inside(directory, path, fault);
+    if (err == PEL_ERR_INVALID) {
+        return pel_fault_set(fault, err, "%s", why.message);
+    }
+    return err || !S_ISREG(is.st_mode)
+               ? pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                               "%.80s: no such file in %.120s", file, directory)
+               : PEL_OK;
 }

@@ -27,9 +27,9 @@ PEL_CHECK enum pel_err pel_helper_run(const struct pel_helper_task *task,
                                       unsigned char **out, size_t *size,
                                       struct pel_fault *fault);
 
-/* The path of the file that a user calls `file` in a directory of ours: names
- * joined by single /, none with a dot or a dash before it. INVALID (another
- * form; a link out of the directory), NOT_FOUND (no regular file). */
+/* Whether there is a file that a user calls `file` in a directory of ours:
+ * names joined by single /, none with a dot or a dash before it. INVALID
+ * (another form; a link out of the directory), NOT_FOUND (no regular file). It
+ * may be another one by the time a helper opens it: see base/reader.h. */
 PEL_CHECK enum pel_err pel_helper_find(const char *directory, const char *file,
-                                       char path[4096],
                                        struct pel_fault *fault);

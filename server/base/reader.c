@@ -11,6 +11,8 @@
 void pel_reader_begin(const struct pel_reader *reader)
 {
     const struct pel_sandbox sandbox = { .readable = reader->readable,
+                                         .within =
+                                             reader->directory ? "." : NULL,
                                          .cpu_s = reader->cpu_s,
                                          .memory_bytes = reader->memory_bytes,
                                          .walls = PEL_SANDBOX_ALL };

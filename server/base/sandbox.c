@@ -15,6 +15,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "base/file.h"
+
 /* --- files: Landlock ------------------------------------------------------
  * By number and with our own structures: Debian 12's C library has no
  * wrappers, and its kernel headers are older than what kernels can do. */
@@ -55,10 +57,19 @@ static struct ruleset handled(long version)
     };
 }
 
-static bool allow(int rules, const char *place)
+/* -1: there is none. */
+static int find(const char *place, const char *within)
+{
+    int fd;
+    return !within || *place == '/' ? open(place, O_PATH | O_CLOEXEC)
+           : pel_file_find_in(within, place, &fd, NULL) ? -1
+                                                        : fd;
+}
+
+static bool allow(int rules, const char *place, const char *within)
 {
     struct stat is;
-    int fd = open(place, O_PATH | O_CLOEXEC);
+    int fd = find(place, within);
     if (fd < 0) {
         return true;
     }
@@ -71,8 +82,9 @@ static bool allow(int rules, const char *place)
     return good;
 }
 
-static bool wall_off_files(const char *const *readable)
+static bool wall_off_files(const struct pel_sandbox *s)
 {
+    const char *const *readable = s->readable;
     struct ruleset all = handled(landlock_version());
     int rules = (int)syscall(CREATE_RULESET, &all, sizeof all, 0);
     if (rules < 0) {
@@ -80,7 +92,7 @@ static bool wall_off_files(const char *const *readable)
     }
     bool good = true;
     for (; good && *readable; readable++) {
-        good = allow(rules, *readable);
+        good = allow(rules, *readable, s->within);
     }
     good = good && syscall(RESTRICT_SELF, rules, 0) == 0;
     close(rules);
@@ -346,7 +358,7 @@ enum pel_err pel_sandbox_close(const struct pel_sandbox *s,
         return pel_fault_set(fault, PEL_ERR_IO, "no_new_privs: %s",
                              strerror(errno));
     }
-    if ((walls & PEL_SANDBOX_FILES) && !wall_off_files(s->readable)) {
+    if ((walls & PEL_SANDBOX_FILES) && !wall_off_files(s)) {
         return pel_fault_set(fault, PEL_ERR_IO, "Landlock: %s",
                              strerror(errno));
     }

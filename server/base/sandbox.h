@@ -22,6 +22,9 @@ struct pel_sandbox {
     /* What may be read: files, or directories with all below them; those that
      * do not exist are left out. NULL ends the list. */
     const char *const *readable;
+    /* Those with relative names lie below it, by links that stay in it, as
+     * pel_file_find_in says; NULL: what links lead to is readable. */
+    const char *within;
     unsigned cpu_s;      /* processor time; ten times as much by the clock */
     size_t memory_bytes; /* of address space */
     unsigned walls;      /* those wanted: PEL_SANDBOX_ALL but in tests */

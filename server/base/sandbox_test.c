@@ -218,7 +218,7 @@ static bool computes(void)
 static bool attempt(unsigned walls, bool (*try)(void))
 {
     const char *const readable[] = { inside, "/no/such/place", NULL };
-    const struct pel_sandbox sandbox = { readable, 5, 1u << 30, walls };
+    const struct pel_sandbox sandbox = { readable, NULL, 5, 1u << 30, walls };
     int status = 0;
     struct pel_fault fault;
     dup2(STDERR_FILENO, 100);

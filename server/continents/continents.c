@@ -42,7 +42,6 @@ enum pel_err pel_continents_load(const char *directory, const char *file,
                                  struct pel_continents **out,
                                  struct pel_fault *fault)
 {
-    char path[4096];
     char *argv[] = { (char[]){ PROGRAM }, (char *)directory, (char *)file,
                      NULL };
     const struct pel_helper_task task = {
@@ -54,7 +53,7 @@ enum pel_err pel_continents_load(const char *directory, const char *file,
     };
     unsigned char *bytes = NULL;
     size_t size = 0;
-    enum pel_err err = pel_helper_find(directory, file, path, fault);
+    enum pel_err err = pel_helper_find(directory, file, fault);
     if (!err) {
         err = pel_helper_run(&task, &bytes, &size, fault);
     }

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
 #include "base/file.h"
 #include "base/helper.h"
@@ -26,7 +25,7 @@ bool pel_model_is_file(const char *name)
     return false;
 }
 
-static enum pel_err check(const struct pel_model_source *s, char path[4096],
+static enum pel_err check(const struct pel_model_source *s,
                           struct pel_fault *fault)
 {
     if (!s->directory) {
@@ -42,11 +41,11 @@ static enum pel_err check(const struct pel_model_source *s, char path[4096],
                              "or .x",
                              s->file);
     }
-    return pel_helper_find(s->directory, s->file, path, fault);
+    return pel_helper_find(s->directory, s->file, fault);
 }
 
 /* What NAME.json says. */
-static enum pel_err describe(const char *directory, const char *path,
+static enum pel_err describe(const char *directory, const char *file,
                              struct pel_model_description *out,
                              struct pel_fault *fault)
 {
@@ -54,26 +53,25 @@ static enum pel_err describe(const char *directory, const char *path,
     char *text = NULL;
     size_t size = 0;
     pel_model_description_init(out);
-    snprintf(name, sizeof name, "%s", path);
+    snprintf(name, sizeof name, "%s", file);
     char *dot = strrchr(name, '.');
     if (!dot || (size_t)(dot - name) + 6 > sizeof name) {
         return PEL_OK;
     }
     memcpy(dot, ".json", 6);
-    if (access(name, F_OK) != 0) {
+    enum pel_err err = pel_file_read_in(directory, name, PEL_DESCRIPTION_MOST,
+                                        &text, &size, fault);
+    if (err == PEL_ERR_NOT_FOUND) {
         return PEL_OK;
-    }
-    enum pel_err err = pel_file_inside(directory, name, fault);
-    if (!err) {
-        err = pel_file_read(name, PEL_DESCRIPTION_MOST, &text, &size, fault);
     }
     if (!err) {
         struct pel_fault why = { 0 };
         err = pel_model_description_read(text, size, out, &why);
         if (err && fault) {
+            const char *last = strrchr(name, '/');
             *fault = why;
             snprintf(fault->message, sizeof fault->message, "%.60s: %.180s",
-                     strrchr(name, '/') + 1, why.message);
+                     last ? last + 1 : name, why.message);
         }
     }
     free(text);
@@ -171,7 +169,6 @@ enum pel_err pel_model_load(const struct pel_model_source *source,
                             char notes[PEL_MODEL_NOTES],
                             struct pel_fault *fault)
 {
-    char path[4096];
     unsigned char *bytes = NULL;
     size_t size = 0;
     struct pel_model_description *d = malloc(sizeof *d);
@@ -179,9 +176,9 @@ enum pel_err pel_model_load(const struct pel_model_source *source,
     *out = NULL;
     notes[0] = '\0';
     enum pel_err err =
-        d ? check(source, path, fault)
+        d ? check(source, fault)
           : pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
-    err = err ? err : describe(source->directory, path, d, fault);
+    err = err ? err : describe(source->directory, source->file, d, fault);
     err = err ? err : run(source, d, &bytes, &size, fault);
     if (!err) {
         struct pel_fault why = { 0 };

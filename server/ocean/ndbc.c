@@ -160,21 +160,21 @@ int pel_ndbc_parse(const char *text, double unix_s, bool separation,
 
 /* --- files ---------------------------------------------------------------- */
 
-static enum pel_err read_text(const char *path, char **out,
-                              struct pel_fault *fault)
+static enum pel_err read_text(const char *directory, const char *name,
+                              char **out, struct pel_fault *fault)
 {
     char *text = NULL;
     size_t size = 0;
-    enum pel_err err =
-        pel_file_read(path, PEL_NDBC_FILE_LIMIT, &text, &size, fault);
+    enum pel_err err = pel_file_read_in(directory, name, PEL_NDBC_FILE_LIMIT,
+                                        &text, &size, fault);
     if (err == PEL_ERR_OUT_OF_RANGE) {
         return pel_fault_set(fault, PEL_ERR_MALFORMED,
-                             "%s is longer than %d bytes", path,
+                             "%s is longer than %d bytes", name,
                              PEL_NDBC_FILE_LIMIT);
     }
     if (!err && memchr(text, 0, size)) {
         free(text);
-        err = pel_fault_set(fault, PEL_ERR_MALFORMED, "%s is not text", path);
+        err = pel_fault_set(fault, PEL_ERR_MALFORMED, "%s is not text", name);
     }
     if (err) {
         return err;
@@ -193,19 +193,15 @@ static enum pel_err read_series(const char *directory, const char *station,
                                 const char *ending, double unix_s,
                                 struct series *out, struct pel_fault *fault)
 {
-    char path[512];
+    char name[512];
     char *text = NULL;
-    int length =
-        snprintf(path, sizeof path, "%s/%s.%s", directory, station, ending);
-    if (length < 0 || length >= (int)sizeof path) {
+    int length = snprintf(name, sizeof name, "%s.%s", station, ending);
+    if (length < 0 || length >= (int)sizeof name) {
         return pel_fault_set(fault, PEL_ERR_IO, "the path of %s is too long",
                              station);
     }
-    enum pel_err err = pel_file_inside(directory, path, fault);
-    if (!err) {
-        err = read_text(path, &text, fault);
-    }
-    if (!text) {
+    enum pel_err err = read_text(directory, name, &text, fault);
+    if (err) {
         return err;
     }
     out->count = pel_ndbc_parse(text, unix_s, strcmp(ending, "data_spec") == 0,
@@ -215,11 +211,11 @@ static enum pel_err read_series(const char *directory, const char *station,
         return pel_fault_set(fault, PEL_ERR_MALFORMED,
                              "%s:%d: not a time and pairs of value "
                              "(frequency)",
-                             path, -out->count);
+                             name, -out->count);
     }
     if (out->count == 0) {
         return pel_fault_set(fault, PEL_ERR_NOT_FOUND, "%s holds no record",
-                             path);
+                             name);
     }
     return PEL_OK;
 }

@@ -62,12 +62,12 @@ enum pel_err pel_spectrum_file_read(const char *directory, const char *file,
                                     double *record_unix_s,
                                     struct pel_fault *fault)
 {
-    char path[4096], when[40];
+    char when[40];
     unsigned char *bytes = NULL;
     size_t size = 0;
     struct pel_measured found = { 0 };
     double at = 0;
-    enum pel_err err = pel_helper_find(directory, file, path, fault);
+    enum pel_err err = pel_helper_find(directory, file, fault);
     if (err) {
         return err;
     }

@@ -49,14 +49,13 @@ enum pel_err pel_panorama_load(const char *directory, const char *file,
                                bool take_sun, const struct pel_panorama **out,
                                struct pel_fault *fault)
 {
-    char path[4096];
     unsigned char *bytes = NULL;
     size_t size = 0;
     if (!directory) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
                              "sky.file needs pelagosd --panoramas");
     }
-    enum pel_err err = pel_helper_find(directory, file, path, fault);
+    enum pel_err err = pel_helper_find(directory, file, fault);
     if (!err) {
         err = run(directory, file, &bytes, &size, fault);
     }

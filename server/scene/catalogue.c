@@ -218,12 +218,24 @@ static int by_name(const void *a, const void *b)
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
+/* NULL: it is none, or a link that leads out. */
+static GDir *open_folder(const char *directory, const char *below)
+{
+    int fd;
+    if (pel_file_find_in(directory, *below ? below : ".", &fd, NULL)) {
+        return NULL;
+    }
+    g_autofree char *link = g_strdup_printf("/proc/self/fd/%d", fd);
+    GDir *dir = g_dir_open(link, 0, NULL);
+    close(fd);
+    return dir;
+}
+
 /* NOLINTNEXTLINE(misc-no-recursion): MOST_DEPTH deep. */
 static void find_files(const char *directory, const char *below, int depth,
                        GPtrArray *out)
 {
-    g_autofree char *path = g_build_filename(directory, below, NULL);
-    GDir *dir = depth <= MOST_DEPTH ? g_dir_open(path, 0, NULL) : NULL;
+    GDir *dir = depth <= MOST_DEPTH ? open_folder(directory, below) : NULL;
     const char *entry;
     while (dir && out->len < MOST_FILES && (entry = g_dir_read_name(dir))) {
         g_autofree char *name =
@@ -235,9 +247,7 @@ static void find_files(const char *directory, const char *below, int depth,
             continue;
         }
         if (g_file_test(whole, G_FILE_TEST_IS_DIR)) {
-            if (!pel_file_inside(directory, whole, NULL)) {
-                find_files(directory, name, depth + 1, out);
-            }
+            find_files(directory, name, depth + 1, out);
         } else if (pel_model_is_file(name)) {
             g_ptr_array_add(out, g_steal_pointer(&name));
         }

@@ -105,10 +105,8 @@ enum pel_err pel_exercise_files_read(struct pel_exercise_files *files,
     if (err) {
         return err;
     }
-    err = pel_file_inside(files->directory, path, &why);
-    if (!err) {
-        err = pel_file_read(path, PEL_JSON_MAX_BYTES, &text, &size, &why);
-    }
+    err = pel_file_read_in(files->directory, strrchr(path, '/') + 1,
+                           PEL_JSON_MAX_BYTES, &text, &size, &why);
     if (err == PEL_ERR_NOT_FOUND) {
         return pel_fault_refuse(err, "name", name,
                                 "is no exercise; `pelagosctl exercise list` "

@@ -222,13 +222,17 @@ enum pel_err pel_logfile_last(struct pel_logfile *f, double *out,
 enum pel_err pel_logfile_open(const char *path, struct pel_logfile **out,
                               struct pel_fault *fault)
 {
-    struct stat is;
     int fd;
     *out = NULL;
     enum pel_err err = pel_file_open(path, &fd, fault);
-    if (err) {
-        return err;
-    }
+    return err ? err : pel_logfile_take(fd, out, fault);
+}
+
+enum pel_err pel_logfile_take(int fd, struct pel_logfile **out,
+                              struct pel_fault *fault)
+{
+    struct stat is;
+    *out = NULL;
     struct pel_logfile *f = calloc(1, sizeof *f);
     if (!f) {
         close(fd);
@@ -236,7 +240,7 @@ enum pel_err pel_logfile_open(const char *path, struct pel_logfile **out,
     }
     f->fd = fd;
     f->size = fstat(fd, &is) == 0 ? (uint64_t)is.st_size : 0;
-    err = make_room(f, WINDOW, fault);
+    enum pel_err err = make_room(f, WINDOW, fault);
     err = err ? err : read_at(f, 0, fault);
     err = err ? err : pel_log_open(&f->reader, f->bytes, f->reader.size, fault);
     if (err) {

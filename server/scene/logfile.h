@@ -15,6 +15,9 @@ struct pel_logfile;
 PEL_CHECK enum pel_err pel_logfile_open(const char *path,
                                         struct pel_logfile **out,
                                         struct pel_fault *fault);
+/* The same of a descriptor, which it closes, also where it fails. */
+PEL_CHECK enum pel_err pel_logfile_take(int fd, struct pel_logfile **out,
+                                        struct pel_fault *fault);
 void pel_logfile_close(struct pel_logfile *file); /* NULL allowed */
 
 /* As pel_log_next. IO; NO_MEMORY. */

@@ -66,19 +66,20 @@ static bool read_head(int fd, struct pel_recording_segment *out)
     return true;
 }
 
-static bool look_at(const char *path, struct pel_recording_segment *out)
+static bool look_at(const char *directory, const char *name,
+                    struct pel_recording_segment *out)
 {
     struct stat about;
     int fd;
     *out = (struct pel_recording_segment){ 0 };
-    if (pel_file_open(path, &fd, NULL)) {
+    if (pel_file_open_in(directory, name, &fd, NULL)) {
         return false;
     }
     bool is =
         fstat(fd, &about) == 0 && S_ISREG(about.st_mode) && read_head(fd, out);
     close(fd);
     if (is) {
-        out->path = g_strdup(path);
+        out->path = g_build_filename(directory, name, NULL);
         out->bytes = (uint64_t)about.st_size;
     }
     return is;
@@ -94,7 +95,11 @@ enum pel_err pel_recording_open(const struct pel_recording_segment *s,
                              "%.160s has more than %zu bytes", s->path,
                              PEL_RECORDING_SEGMENT_BYTES);
     }
-    return pel_logfile_open(s->path, out, fault);
+    g_autofree char *directory = g_path_get_dirname(s->path);
+    g_autofree char *name = g_path_get_basename(s->path);
+    int fd;
+    enum pel_err err = pel_file_open_in(directory, name, &fd, fault);
+    return err ? err : pel_logfile_take(fd, out, fault);
 }
 
 /* Time of the last whole entry. */
@@ -138,14 +143,12 @@ static enum pel_err find_segments(const char *directory, GArray *found,
                              why->message);
     }
     while ((name = g_dir_read_name(dir))) {
-        g_autofree char *path = g_build_filename(directory, name, NULL);
         struct pel_recording_segment s;
         if (found->len == PEL_RECORDINGS_LISTED) {
             *more = true;
             break;
         }
-        if (!g_str_has_suffix(name, ".new") &&
-            !pel_file_inside(directory, path, NULL) && look_at(path, &s)) {
+        if (!g_str_has_suffix(name, ".new") && look_at(directory, name, &s)) {
             g_array_append_val(found, s);
         }
     }
@@ -232,24 +235,21 @@ static bool is_of(const struct pel_recording *r, const char *name)
 static enum pel_err why_not(const char *directory, const char *name,
                             struct pel_fault *fault)
 {
-    g_autofree char *path = g_build_filename(directory, name, NULL);
     uint8_t first[PEL_LOG_BEGIN_SIZE];
     struct pel_log_reader reader;
     struct pel_fault why;
     int fd;
+    enum pel_err err = pel_file_open_in(directory, name, &fd, &why);
+    if (err) {
+        return err == PEL_ERR_INVALID
+                   ? pel_fault_set(fault, err, "%s", why.message)
+                   : pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                                   "there is no recording \"%.80s\"", name);
+    }
     pel_fault_set(&why, PEL_ERR_MALFORMED, "its head cannot be read");
-    if (pel_file_open(path, &fd, NULL)) {
-        return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
-                             "there is no recording \"%.80s\"", name);
-    }
-    if (pel_file_inside(directory, path, fault)) {
-        close(fd);
-        return PEL_ERR_INVALID;
-    }
     ssize_t got = pread(fd, first, sizeof first, 0);
     close(fd);
-    enum pel_err err =
-        pel_log_open(&reader, first, got > 0 ? (size_t)got : 0, &why);
+    err = pel_log_open(&reader, first, got > 0 ? (size_t)got : 0, &why);
     err = err ? err : PEL_ERR_MALFORMED;
     return pel_fault_set(fault, err, "%.80s: %.200s", name, why.message);
 }

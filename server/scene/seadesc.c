@@ -94,17 +94,16 @@ static char *record_of(const Pelagos__State *state)
  * that there is, or what stands before the first #. */
 static char *station_of(const char *spectra, char *name)
 {
-    char path[4096];
     char *first = strchr(name, '#'), *mark = first;
     while (mark) {
         *mark = '\0';
-        if (pel_helper_find(spectra, name, path, NULL) == PEL_OK) {
+        if (pel_helper_find(spectra, name, NULL) == PEL_OK) {
             return mark + 1;
         }
         *mark = '#';
         mark = strchr(mark + 1, '#');
     }
-    if (!first || pel_helper_find(spectra, name, path, NULL) == PEL_OK) {
+    if (!first || pel_helper_find(spectra, name, NULL) == PEL_OK) {
         return name + strlen(name);
     }
     *first = '\0';

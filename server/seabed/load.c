@@ -10,7 +10,7 @@
 
 #define PROGRAM "pelagos-seabed"
 
-static enum pel_err check(const struct pel_seabed_source *s, char path[4096],
+static enum pel_err check(const struct pel_seabed_source *s,
                           struct pel_fault *fault)
 {
     if (!s->directory) {
@@ -22,7 +22,7 @@ static enum pel_err check(const struct pel_seabed_source *s, char path[4096],
                              "seabed.file must be the name of a file in the "
                              "directory of pelagosd --bathymetry, without /");
     }
-    return pel_helper_find(s->directory, s->file, path, fault);
+    return pel_helper_find(s->directory, s->file, fault);
 }
 
 /* Runs the reader. */
@@ -74,10 +74,9 @@ enum pel_err pel_seabed_load(const struct pel_seabed_source *source,
                              const struct pel_seabed **out,
                              struct pel_fault *fault)
 {
-    char path[4096];
     unsigned char *bytes = NULL;
     size_t size = 0;
-    enum pel_err err = check(source, path, fault);
+    enum pel_err err = check(source, fault);
     if (!err) {
         err = run(source, &bytes, &size, fault);
     }

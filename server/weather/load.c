@@ -9,7 +9,7 @@
 #define PROGRAM "pelagos-weather"
 
 static enum pel_err check(const char *directory, const char *file,
-                          char path[4096], struct pel_fault *fault)
+                          struct pel_fault *fault)
 {
     if (!directory) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
@@ -20,14 +20,13 @@ static enum pel_err check(const char *directory, const char *file,
                              "sea.field.file must be the name of a file in the "
                              "directory of pelagosd --weather, without /");
     }
-    return pel_helper_find(directory, file, path, fault);
+    return pel_helper_find(directory, file, fault);
 }
 
 enum pel_err pel_weather_load(const char *directory, const char *file,
                               const struct pel_weather **out,
                               struct pel_fault *fault)
 {
-    char path[4096];
     char *argv[] = { (char[]){ PROGRAM }, (char *)directory, (char *)file,
                      NULL };
     const struct pel_helper_task task = {
@@ -39,7 +38,7 @@ enum pel_err pel_weather_load(const char *directory, const char *file,
     };
     unsigned char *bytes = NULL;
     size_t size = 0;
-    enum pel_err err = check(directory, file, path, fault);
+    enum pel_err err = check(directory, file, fault);
     if (!err) {
         err = pel_helper_run(&task, &bytes, &size, fault);
     }

@@ -54,7 +54,7 @@ static bool find_picture(const struct import *in, const char *name,
     }
     int fd;
     snprintf(out, 4096, "%s/%s", folder, plain);
-    if (plain[0] != '/' && pel_file_open(out, &fd, NULL) == PEL_OK) {
+    if (plain[0] != '/' && pel_file_open_in(".", out, &fd, NULL) == PEL_OK) {
         close(fd);
         return true;
     }
@@ -111,7 +111,8 @@ static enum pel_err decode(struct import *in, const char *name, int *out,
     } else if (!find_picture(in, name, path)) {
         pel_mesh_note(in->notes, "the texture %.80s is not there", name);
         return PEL_OK;
-    } else if (pel_file_read(path, MOST_PICTURE, &bytes, &size, fault)) {
+    } else if (pel_file_read_in(".", path, MOST_PICTURE, &bytes, &size,
+                                fault)) {
         pel_mesh_note(in->notes, "the texture %.80s: %.80s", name,
                       fault->message);
         return PEL_OK;
