@@ -108,7 +108,8 @@ class StateFile(unittest.TestCase):
             daemon.stop(how=signal.SIGKILL)
         with Daemon("--state", self.path):
             pass
-        self.assertEqual(os.listdir(self.folder), ["scene"])
+        self.assertEqual(sorted(os.listdir(self.folder)),
+                         ["scene", "scene.prev"])
 
     def test_what_is_gone_is_kept(self):
         """Files that the state names and that are gone come back."""

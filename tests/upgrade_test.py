@@ -143,7 +143,8 @@ class Upgrade(unittest.TestCase):
                 rewritten = json.loads(read(self.state))
                 self.assertEqual(rewritten.pop("stateVersion"), STATE_VERSION)
                 self.has(expected, rewritten)
-                self.assertEqual(os.listdir(self.folder), ["scene"])
+                self.assertEqual(sorted(os.listdir(self.folder)),
+                                 ["scene", "scene.prev"])
                 with Daemon("--state", self.state) as daemon:
                     self.has(expected, daemon.state())
 

@@ -61,19 +61,84 @@ static void note_loss(struct pel_loaded *loaded, const char *what, char *kept,
     g_strlcpy(loss->words, words, sizeof loss->words);
 }
 
+/* A state file that does not load. */
+struct bad {
+    char *aside; /* g_free */
+    struct pel_fault why;
+    uint64_t before; /* revision of the generation before it, where that... */
+    bool has_before; /* ...is used */
+    double older_s;
+    char why_not[160]; /* it does not load either; "": there is none */
+};
+
+/* The generation before it, where that loads. */
+static void go_back(struct pel_store *store, Pelagos__State **out,
+                    struct bad *bad)
+{
+    struct pel_fault why;
+    enum pel_err err = pel_store_load_before(store, out, &bad->older_s, &why);
+    bad->has_before = err == PEL_OK;
+    if (bad->has_before) {
+        bad->before = (*out)->revision;
+    } else if (err != PEL_ERR_NOT_FOUND) {
+        g_snprintf(bad->why_not, sizeof bad->why_not,
+                   "; the generation before it does not load either: %.100s",
+                   why.message);
+    }
+}
+
+/* What the scene begins with instead; g_free. */
+static char *instead_of(const struct bad *bad, const Pelagos__State *state,
+                        const char *path)
+{
+    if (!state) {
+        return g_strdup_printf("defaults%s", bad->why_not);
+    }
+    return bad->has_before && state->revision == bad->before
+               ? g_strdup_printf("%s" PEL_STATE_BEFORE
+                                 ", written %.1f s before it, revision %llu",
+                                 path, bad->older_s,
+                                 (unsigned long long)bad->before)
+               : g_strdup_printf("its journal, to revision %llu",
+                                 (unsigned long long)state->revision);
+}
+
+/* Takes bad->aside. */
+static void say_bad(struct pel_loaded *loaded, struct bad *bad,
+                    const Pelagos__State *state, const char *path)
+{
+    g_autofree char *instead = instead_of(bad, state, path);
+    if (pel_trial()) {
+        pel_trial_note("--state: %s does not load: %s; a start keeps it as %s, "
+                       "and begins with %s",
+                       path, bad->why.message, bad->aside, instead);
+        g_free(bad->aside);
+        return;
+    }
+    pel_error("SCN-002",
+              "%s does not load: %s; it is kept as %s, and the scene begins "
+              "with %s",
+              path, bad->why.message, bad->aside, instead);
+    g_autofree char *words = g_strdup_printf("%s; the scene began with %s",
+                                             bad->why.message, instead);
+    note_loss(loaded, "state", bad->aside, words);
+}
+
 enum pel_err pel_scene_load(struct pel_store *store,
                             const struct pel_scene_options *options,
                             Pelagos__State **out, struct pel_loaded *loaded,
                             struct pel_fault *fault)
 {
-    struct pel_fault why;
-    char *aside = NULL;
+    struct bad bad = { 0 };
     *out = NULL;
     *loaded = (struct pel_loaded){ 0 };
-    enum pel_err err =
-        store ? pel_store_load(store, out, &aside, &why) : PEL_ERR_NOT_FOUND;
+    enum pel_err err = store ? pel_store_load(store, out, &bad.aside, &bad.why)
+                             : PEL_ERR_NOT_FOUND;
     if (err == PEL_ERR_IO) {
-        return pel_fault_set(fault, err, "--state: %.240s", why.message);
+        return pel_fault_set(fault, err, "--state: %.240s", bad.why.message);
+    }
+    if (err && err != PEL_ERR_NOT_FOUND) {
+        go_back(store, out, &bad);
     }
     if (err != PEL_ERR_NOT_FOUND &&
         take_journal(options->state_path, pel_store_loaded_lineage(store), out,
@@ -81,25 +146,14 @@ enum pel_err pel_scene_load(struct pel_store *store,
         if (*out) {
             pelagos__state__free_unpacked(*out, NULL);
         }
-        g_free(aside);
+        g_free(bad.aside);
         return PEL_ERR_IO;
     }
     if (err == PEL_OK) {
         pel_info("SCN-001", "revision %llu of the scene loaded from %s",
                  (unsigned long long)(*out)->revision, options->state_path);
-    } else if (err != PEL_ERR_NOT_FOUND && pel_trial()) {
-        pel_trial_note("--state: %s does not load: %s; a start keeps it as %s, "
-                       "and begins with %s",
-                       options->state_path, why.message, aside,
-                       *out ? "its journal" : "defaults");
-        g_free(aside);
     } else if (err != PEL_ERR_NOT_FOUND) {
-        pel_error("SCN-002",
-                  "%s does not load: %s; it is kept as %s, and the scene "
-                  "begins with %s",
-                  options->state_path, why.message, aside,
-                  *out ? "its journal" : "defaults");
-        note_loss(loaded, "state", aside, why.message);
+        say_bad(loaded, &bad, *out, options->state_path);
     }
     if (loaded->journal.damaged) {
         note_loss(loaded, "journal", loaded->journal.kept,
@@ -157,13 +211,18 @@ static void count_save(struct pel_scene *scene, enum pel_err err,
         pel_now_ns() + (int64_t)(PEL_SEALED_TIME_S * 1e9);
 }
 
-static enum pel_err save_now(struct pel_scene *scene)
+/* last: of this daemon; the generation before it holds the same then, so that
+ * a disk that damages either loses nothing. */
+static enum pel_err save_now(struct pel_scene *scene, bool last)
 {
-    struct pel_fault fault;
+    struct pel_fault fault, unused;
     Pelagos__State *copy = scene->sealed.bytes ? sealed_state(scene) : NULL;
     const Pelagos__State *state = copy ? copy : kept_state(scene, &copy);
     enum pel_err err = pel_store_save(scene->store, state, &fault);
     scene->sealed.unsaved = scene->sealed.unsaved && err;
+    if (!err && last) {
+        (void)!pel_store_save(scene->store, state, &unused);
+    }
     if (copy) {
         pelagos__state__free_unpacked(copy, NULL);
     }
@@ -312,7 +371,7 @@ void pel_scene_begin_keeping(struct pel_scene *scene,
     Pelagos__State *copy;
     scene->saver = pel_worker_create("state file");
     scene->journal_goes_on = options->journal_goes_on;
-    bool saved_now = save_now(scene) == PEL_OK;
+    bool saved_now = save_now(scene, false) == PEL_OK;
     if (options->sealed) {
         scene->sealed.on = true;
         scene->sealed.loaded = loaded->any ? g_strdup(path) : NULL;
@@ -391,12 +450,12 @@ bool pel_scene_end_keeping(struct pel_scene *scene)
         g_source_remove(scene->save_timer);
     }
     if (scene->sealed.on) {
-        bool whole = !scene->sealed.unsaved || save_now(scene) == PEL_OK;
+        bool whole = !scene->sealed.unsaved || save_now(scene, true) == PEL_OK;
         g_free(scene->sealed.loaded);
         g_free(scene->sealed.bytes);
         return whole;
     }
-    bool whole = save_now(scene) == PEL_OK;
+    bool whole = save_now(scene, true) == PEL_OK;
     bool kept = pel_journal_close(scene->journal, whole);
     if (!whole) {
         pel_error("SCN-017", "the state file lacks the last edits%s",

@@ -12,6 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/aside.h"
 #include "base/checksum.h"
 #include "base/file.h"
 #include "base/trial.h"
@@ -19,18 +20,19 @@
 #include "scene/check.h"
 #include "scene/edit.h"
 
-/* States that did not load, and those of them that never make room. */
-#define MOST_ASIDE 9
-#define OLDEST_ASIDE 4
-
 #define VERSION_NAME "stateVersion"
 #define CHECKSUM_NAME "stateChecksum"
 #define LINEAGE_NAME "stateLineage"
 #define DIGITS 8 /* of the checksum */
 #define JSON_SPACE " \t\r\n"
 
+/* What is at PATH, as far as this daemon knows. */
+enum there { NOTHING, GOOD_STATE, BAD_STATE };
+
 struct pel_store {
     char *path, *temporary, *lock_path;
+    char *before; /* PATH.prev */
+    enum there there;
     char *lineage;
     bool knows; /* the lineage is the file's */
     int lock;
@@ -132,6 +134,7 @@ enum pel_err pel_store_open(const char *path, struct pel_store **out,
     store->path = g_strdup(path);
     store->temporary = g_strconcat(path, ".new", NULL);
     store->lock_path = g_strconcat(path, ".lock", NULL);
+    store->before = g_strconcat(path, PEL_STATE_BEFORE, NULL);
     store->lineage = g_uuid_string_random();
     enum pel_err err =
         pel_trial() ? try_lock(store, fault) : lock(store, fault);
@@ -154,6 +157,7 @@ void pel_store_close(struct pel_store *store)
             close(store->lock);
         }
         g_free(store->lock_path);
+        g_free(store->before);
         g_free(store->lineage);
         g_free(store->temporary);
         g_free(store->path);
@@ -162,61 +166,6 @@ void pel_store_close(struct pel_store *store)
 }
 
 /* --- loading -------------------------------------------------------------- */
-
-static char *aside_name(const char *path, const char *suffix, int number)
-{
-    return number == 1 ? g_strconcat(path, suffix, NULL)
-                       : g_strdup_printf("%s%s.%d", path, suffix, number);
-}
-
-/* Whoever is there already stays; a directory too. */
-static bool move_to(const char *from, const char *path, const char *suffix,
-                    int number)
-{
-    g_autofree char *to = aside_name(path, suffix, number);
-    return renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_NOREPLACE) == 0 ||
-           /* Not every file system knows the flag. */
-           (errno == EINVAL && access(to, F_OK) != 0 && rename(from, to) == 0);
-}
-
-/* The oldest of the newer ones goes, and the others move up. */
-static void make_room(const char *path, const char *suffix)
-{
-    for (int i = OLDEST_ASIDE + 1; i <= MOST_ASIDE; i++) {
-        g_autofree char *at = aside_name(path, suffix, i);
-        if (i == OLDEST_ASIDE + 1) {
-            unlink(at);
-        } else {
-            move_to(at, path, suffix, i - 1);
-        }
-    }
-}
-
-/* The same file under another name too, so that it is there until the next one
- * is written, however soon the process ends. */
-static bool link_to(const char *path, const char *suffix, int number)
-{
-    struct stat one, two;
-    g_autofree char *to = aside_name(path, suffix, number);
-    return link(path, to) == 0 ||
-           (errno == EEXIST && lstat(path, &one) == 0 && lstat(to, &two) == 0 &&
-            one.st_ino == two.st_ino && one.st_dev == two.st_dev) ||
-           (errno != EEXIST && move_to(path, path, suffix, number));
-}
-
-static char *set_aside(const char *path, const char *suffix, bool stays)
-{
-    for (int turn = 0; turn < 2; turn++) {
-        for (int i = 1; i <= MOST_ASIDE; i++) {
-            if (stays ? link_to(path, suffix, i)
-                      : move_to(path, path, suffix, i)) {
-                return aside_name(path, suffix, i);
-            }
-        }
-        make_room(path, suffix);
-    }
-    return NULL;
-}
 
 /* The member that every file begins with, taken out of the text; files from
  * before there were versions have none, and are read as version 1. */
@@ -360,14 +309,30 @@ static enum pel_err take_state(struct pel_store *store, char *text,
     return err;
 }
 
-enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
-                            char **aside, struct pel_fault *fault)
+/* Keeps what does not load. */
+static char *keep_aside(const char *path, struct pel_fault *fault)
+{
+    char *aside = pel_trial() ? g_strconcat(path, ".bad", NULL) /* it would */
+                              : pel_aside_keep(path, ".bad");
+    if (!aside) {
+        pel_fault_set(fault, PEL_ERR_IO,
+                      "--state: %.100s does not load and cannot be put aside; "
+                      "move it away",
+                      path);
+    }
+    return aside;
+}
+
+/* As pel_store_load, of either generation. */
+static enum pel_err load(struct pel_store *store, const char *path,
+                         Pelagos__State **out, char **aside,
+                         struct pel_fault *fault)
 {
     char *text = NULL;
     size_t length = 0;
     *aside = NULL;
     enum pel_err err =
-        pel_file_read(store->path, PEL_JSON_MAX_BYTES, &text, &length, fault);
+        pel_file_read(path, PEL_JSON_MAX_BYTES, &text, &length, fault);
     if (err == PEL_ERR_NOT_FOUND) {
         return err;
     }
@@ -379,7 +344,7 @@ enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
     bool good = err || take_version(text, &version);
     if (version > PEL_STATE_VERSION && sum != BAD) {
         free(text);
-        return newer(store->path, version, fault);
+        return newer(path, version, fault);
     }
     if (!err) {
         err = sum == BAD ? damaged(fault)
@@ -388,27 +353,49 @@ enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
                                          VERSION_NAME " must be a number from 1");
     }
     free(text);
-    if (err && pel_trial()) {
-        *aside = g_strconcat(store->path, ".bad", NULL); /* so it would be */
-    } else if (err) {
-        *aside = set_aside(store->path, ".bad", true);
-        if (!*aside) {
-            return pel_fault_set(fault, PEL_ERR_IO,
-                                 "--state: %.100s does not load and cannot be "
-                                 "put aside; move it away",
-                                 store->path);
-        }
+    if (err && !(*aside = keep_aside(path, fault))) {
+        return PEL_ERR_IO;
     }
     /* A missing field is no missing file. */
     return err == PEL_ERR_NOT_FOUND || err == PEL_ERR_IO ? PEL_ERR_INVALID
                                                          : err;
 }
 
+enum pel_err pel_store_load(struct pel_store *store, Pelagos__State **out,
+                            char **aside, struct pel_fault *fault)
+{
+    enum pel_err err = load(store, store->path, out, aside, fault);
+    store->there = err == PEL_ERR_NOT_FOUND ? NOTHING
+                   : err                    ? BAD_STATE
+                                            : GOOD_STATE;
+    return err;
+}
+
+enum pel_err pel_store_load_before(struct pel_store *store,
+                                   Pelagos__State **out, double *older_s,
+                                   struct pel_fault *fault)
+{
+    struct stat newest, before;
+    g_autofree char *aside = NULL;
+    enum pel_err err = load(store, store->before, out, &aside, fault);
+    *older_s = 0;
+    if (!err && stat(store->path, &newest) == 0 &&
+        stat(store->before, &before) == 0) {
+        *older_s =
+            (double)(newest.st_mtim.tv_sec - before.st_mtim.tv_sec) +
+            1e-9 * (double)(newest.st_mtim.tv_nsec - before.st_mtim.tv_nsec);
+    }
+    return err;
+}
+
 char *pel_store_set_aside(struct pel_store *store)
 {
-    return access(store->path, F_OK) == 0
-               ? set_aside(store->path, ".aside", false)
-               : NULL;
+    char *aside = pel_aside_keep(store->path, ".aside");
+    if (aside) {
+        unlink(store->path);
+        store->there = NOTHING;
+    }
+    return aside;
 }
 
 const char *pel_store_lineage(const struct pel_store *store)
@@ -458,6 +445,29 @@ static char *whole_text(const struct pel_store *store,
     return g_string_free(out, FALSE);
 }
 
+/* The new file takes its name, and the one that had it becomes the generation
+ * before, unless it is damaged: then the good one before it stays. What is
+ * before a file that somebody has removed is nobody's. At each moment a whole
+ * file has the name. */
+static bool take_name(struct pel_store *store)
+{
+    const char *new = store->temporary;
+    if (store->there == GOOD_STATE &&
+        renameat2(AT_FDCWD, new, AT_FDCWD, store->path, RENAME_EXCHANGE) == 0) {
+        if (rename(new, store->before) != 0) {
+            unlink(new);
+        }
+        return true;
+    }
+    if (store->there != BAD_STATE) {
+        unlink(store->before);
+    }
+    if (store->there == GOOD_STATE) { /* a file system without exchange */
+        (void)!link(store->path, store->before);
+    }
+    return rename(new, store->path) == 0;
+}
+
 enum pel_err pel_store_save(struct pel_store *store,
                             const Pelagos__State *state,
                             struct pel_fault *fault)
@@ -474,12 +484,13 @@ enum pel_err pel_store_save(struct pel_store *store,
     int why = errno;
     good = close(fd) == 0 && good;
     g_free(text);
-    if (!good || rename(store->temporary, store->path) != 0) {
+    if (!good || !take_name(store)) {
         errno = good ? errno : why;
         system_fault("write", store->path, fault);
         unlink(store->temporary);
         return PEL_ERR_IO;
     }
+    store->there = GOOD_STATE;
     sync_directory(store->path);
     return PEL_OK;
 }

@@ -1,4 +1,5 @@
-/* The state file: State as JSON, replaced whole. While it is open a lock on
+/* The state file: State as JSON, replaced whole; the generation before it stays
+ * beside it, for when it is damaged. While it is open a lock on
  * PATH.lock keeps every other daemon from it; the system frees the lock however
  * the process ends. Control thread. */
 #pragma once
@@ -14,6 +15,9 @@
  * too that belongs to the file. */
 #define PEL_STATE_VERSION 2
 
+/* Behind the file's name: the generation before it. */
+#define PEL_STATE_BEFORE ".prev"
+
 struct pel_store;
 
 /* CONFLICT: another process has it. IO: the state could not be written here.
@@ -25,11 +29,18 @@ void pel_store_close(struct pel_store *store); /* NULL allowed */
 /* Reads, fills and tests the file. NOT_FOUND: there is none. IO: it cannot be
  * read or put aside, or is of a newer version, and then stays as it is. Any
  * other error: it does not load; it lies in *aside too now (PATH.bad, or
- * PATH.bad.2 to .9 where there are older ones, of which the four oldest and the
- * newest stay), which is the caller's, g_free. */
+ * PATH.bad.2 to .99 where there are older ones: base/aside.h), which is the
+ * caller's, g_free. */
 PEL_CHECK enum pel_err pel_store_load(struct pel_store *store,
                                       Pelagos__State **out, char **aside,
                                       struct pel_fault *fault);
+
+/* The same of the generation before it, PATH.prev, for when it does not load;
+ * *older_s: how much earlier it was written, in seconds. */
+PEL_CHECK enum pel_err pel_store_load_before(struct pel_store *store,
+                                             Pelagos__State **out,
+                                             double *older_s,
+                                             struct pel_fault *fault);
 
 /* The file lies in *aside now (PATH.aside, numbered as the others), g_free;
  * NULL: it could not be moved, or there is none. */
@@ -41,7 +52,8 @@ const char *pel_store_lineage(const struct pel_store *store);
 const char *pel_store_loaded_lineage(const struct pel_store *store);
 
 /* Writes PATH by temporary file, fsync, rename and fsync of the directory:
- * after a crash either the old or the new state is there. */
+ * after a crash either the old or the new state is there. The file that was
+ * there becomes PATH.prev, unless it did not load. */
 PEL_CHECK enum pel_err pel_store_save(struct pel_store *store,
                                       const Pelagos__State *state,
                                       struct pel_fault *fault);
