@@ -8,10 +8,12 @@ import http.client
 import json
 import multiprocessing
 import os
+import re
 import signal
 import socket
 import sys
 import tempfile
+import time
 import unittest
 
 HERE = os.path.dirname(os.path.abspath(__file__))
@@ -21,6 +23,7 @@ from attacks import TOKENS, head
 from live_client import Closed, Live
 from pelagos_daemon import (Daemon, Session, free_port, receive_all, schema,
                             until)
+from whep_offer import OFFER
 
 OTHER = "other-watch-token-0123456789"
 ROUNDS = 5
@@ -181,11 +184,50 @@ class Gone(Case):
 
 
 class Revoked(Case):
+    def transport(self, token):
+        s = self.daemon.connect_http()
+        self.addCleanup(s.close)
+        s.sendall(b"GET /v1/views/wing/ts HTTP/1.1\r\nHost: localhost\r\n"
+                  b"Authorization: Bearer " + token.encode() + b"\r\n\r\n")
+        self.assertIn(b" 200 ", s.recv(4096))
+        return s
+
+    def webrtc(self, token):
+        """Begun; nobody is at its end. It needs no connection of its own."""
+        answer = self.daemon.request("POST", "/v1/views/wing/whep", OFFER, {
+            **bearer(token), "Content-Type": "application/sdp"})
+        self.assertEqual(answer.status, 201, answer)
+
+    def reload(self, token):
+        """A playlist that is not there before the clock goes on."""
+        s = self.daemon.connect_http()
+        self.addCleanup(s.close)
+        s.sendall(b"GET /v1/views/wing/hls.m3u8?_HLS_msn=%d&_HLS_part=0 "
+                  b"HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer %s"
+                  b"\r\n\r\n" % (self.number + 1, token.encode()))
+        return s
+
+    def playlist(self):
+        """The number of its last segment, once it stands."""
+        def ask():
+            text = self.daemon.get("/v1/views/wing/hls.m3u8").body.decode()
+            first = int(re.search(r"SEQUENCE:(\d+)", text).group(1))
+            return first + text.count("#EXTINF")
+        before = ask()
+        while (now := ask()) != before:
+            before = now
+        return now
+
+    def counts(self):
+        of = self.daemon.metrics()
+        return {name: of.get("pelagos_" + name, 0) for name in (
+            "hls_waiting", "mjpeg_viewers", "ts_viewers", "whep_sessions")}
+
     def test_what_a_lost_token_began_ends(self):
         watch, kept = TOKENS["watch"], OTHER
         ends = [self.stream(watch), self.session(watch).socket,
-                self.stream(TOKENS["steer"])]
-        goes_on = [self.stream(kept), self.session(kept)]
+                self.stream(TOKENS["steer"]), self.transport(watch)]
+        goes_on = [self.stream(kept), self.session(kept), self.transport(kept)]
         lives = [Live(self.daemon, "wing", "?codec=jpeg", bearer(t))
                  for t in (watch, kept)]
         for live in lives:
@@ -197,10 +239,21 @@ class Revoked(Case):
                      "RTSP/1.0\r\nCSeq: 1\r\nAuthorization: Bearer "
                      f"{watch}\r\n\r\n".encode())
         self.assertIn(b" 200 ", rtsp.recv(4096))
+        for token in (watch, kept):
+            self.webrtc(token)
+        self.daemon.patch({"clock": {"mode": "STEPPED"}})
+        self.addCleanup(self.daemon.patch, {"clock": {"mode": "FREE"}})
+        self.number = self.playlist()
+        ends.append(self.reload(watch))
+        waits = self.reload(kept)
+        until("all are there", lambda: self.counts() == {
+            "hls_waiting": 2, "mjpeg_viewers": 3, "ts_viewers": 2,
+            "whep_sessions": 2})
         # One is gone, one may do less.
         self.write({kept: "watch", TOKENS["instruct"]: "instruct",
                     TOKENS["steer"]: "watch"})
         self.daemon.process.send_signal(signal.SIGHUP)
+        begun = time.monotonic()
         for s in ends:
             s.settimeout(60)
             try:
@@ -208,6 +261,15 @@ class Revoked(Case):
                     pass
             except ConnectionResetError:
                 pass
+        print(f"{len(ends)} ended after {time.monotonic() - begun:.3f} s")
+        # By the daemon's own count they went in the same dispatch.
+        self.assertEqual(self.counts(), {
+            "hls_waiting": 1, "mjpeg_viewers": 1, "ts_viewers": 1,
+            "whep_sessions": 1})
+        self.daemon.patch({"clock": {"mode": "FREE"}})
+        waits.settimeout(60)
+        self.assertIn(b" 200 ", waits.recv(4096))
+        self.assertTrue(goes_on[2].recv(4096))
         with self.assertRaises((Closed, OSError)):
             while True:
                 lives[0].ack(lives[0].picture()[0])
