@@ -2,12 +2,16 @@
 """What was answered is there after kill -9, and a full disk loses nothing that
 the reserved room of the journal holds."""
 import contextlib
+import functools
 import http.client
 import json
+import operator
 import os
 import random
 import resource
 import signal
+import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -16,7 +20,9 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from pelagos_daemon import BIN, ROOT, SANITIZED, SLOW_S, Daemon, until
+import cigi_host
+from pelagos_daemon import (BIN, ROOT, SANITIZED, SLOW_S, Daemon, Session,
+                            free_port, until)
 
 KILLS = int(os.environ.get("DURABLE_KILLS", "4"))
 
@@ -439,6 +445,94 @@ class Durable(unittest.TestCase):
                     daemon.stop(signal.SIGKILL)
                 with self.daemon() as daemon:
                     self.assertEqual(field(daemon, "sky.visibility"), base + 52)
+
+    @unittest.skipIf(SANITIZED, "a sanitizer must be loaded first")
+    def test_every_way_to_edit(self):
+        """By HTTP, protobuf, Modbus, CIGI, NMEA and a step each edit that
+        cannot be kept is refused in the way's own words and changes nothing;
+        each is taken again when there is room."""
+        modbus, cigi_port, nmea = free_port(), free_port(socket.SOCK_DGRAM), \
+            free_port(socket.SOCK_DGRAM)
+        with disk_that_fills(self.folder.name) as path, self.daemon(
+                "--modbus", f"127.0.0.1:{modbus}", "--cigi",
+                f"127.0.0.1:{cigi_port}", "--cigi-silence", f"{SLOW_S:g}",
+                "--nmea", f"127.0.0.1:{nmea}", unix=True) as daemon:
+            def http(value):
+                return daemon.patch({"sky": {"visibility": 7000 + value}}).status
+
+            def protobuf(value):
+                with Session(daemon.connect_unix()) as session:
+                    reply = session.ask(patch={"state": {"sky": {
+                        "visibility": 8000 + value}}})
+                    return session.pb.ErrorCode.Name(reply.error.code) \
+                        if reply.HasField("error") else 200
+
+            def coils(value):
+                """Wind speed, staged, and commit: the exception's number."""
+                with socket.create_connection(("127.0.0.1", modbus), 60) as s:
+                    for at, words in ((10, struct.pack(">f", 5 + value)),
+                                      (5, b"\0\1")):
+                        count = len(words) // 2
+                        s.sendall(struct.pack(">HHHBBHHB", 1, 0, 7 + len(words),
+                                              1, 16, at, count, len(words))
+                                  + words)
+                        answer = s.recv(300)
+                    return answer[8] if answer[7] & 0x80 else 200
+
+            def step(value):
+                return daemon.request("POST", "/v1/clock/step", {
+                    "seconds": 0.25 + value}).status
+
+            host = cigi_host.Host(("127.0.0.1", cigi_port))
+            self.addCleanup(host.close)
+            talker = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+            self.addCleanup(talker.close)
+
+            def kept(log, count):
+                return until(f"the log has {log}", lambda:
+                             daemon.log().count(log) >= count)
+
+            def settled():
+                state = daemon.state()
+                del state["clock"], state["sources"]
+                return state
+
+            daemon.patch({"clock": {"mode": "STEPPED"}})
+            ways = {"HTTP": (http, 507), "protobuf": (protobuf, "IO"),
+                    "Modbus": (coils, 4), "step": (step, 507)}
+            for value, (way, _) in enumerate(ways.values()):
+                self.assertEqual(way(value), 200, way)
+            before, time_s = settled(), field(daemon, "clock.time")
+            with open(path + "-", "w", encoding="ascii") as f:
+                f.write("EIO")
+            os.rename(path + "-", path)
+            for name, (way, refused) in ways.items():
+                self.assertEqual(way(9), refused, name)
+                self.assertEqual(settled(), before, name)
+            self.assertEqual(field(daemon, "clock.time"), time_s)
+            # These have no answers: the log and the counters say it.
+            host.send(cigi_host.entity(1, 52.7, 5.3, yaw=77))
+            kept("CIG-002", 1)
+            body = b"HEHDT,99.5,T"
+            sentence = b"$%s*%02X\r\n" % (body, functools.reduce(
+                operator.xor, body))
+            talker.sendto(sentence, ("127.0.0.1", nmea))
+            kept("NME-002", 1)
+            self.assertEqual(settled(), before)
+            self.assertEqual(health(daemon)["status"], "degraded")
+            os.unlink(path)
+            until("it is well", lambda: health(daemon)["status"] == "ok")
+            for value, (name, (way, _)) in enumerate(ways.items()):
+                if name != "step":  # the host leads the clock
+                    self.assertEqual(way(value + 10), 200, name)
+
+            def heading(wanted, send):
+                send()
+                return daemon.state()["entities"][0]["heading"] == wanted
+            until("CIGI leads again", lambda: heading(77, lambda: host.send(
+                cigi_host.entity(1, 52.7, 5.3, yaw=77))))
+            until("NMEA does again", lambda: heading(99.5, lambda: talker.sendto(
+                sentence, ("127.0.0.1", nmea))))
 
     @unittest.skipIf(SANITIZED, "a sanitizer must be loaded first")
     def test_an_end_that_loses_edits_says_so(self):

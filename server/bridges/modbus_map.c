@@ -455,8 +455,12 @@ static enum pel_err commit(struct pel_modbus_map *map,
                            const Pelagos__Patch *patch, struct pel_fault *fault)
 {
     const struct pel_scene_wish wish = { .patch = patch, .source = map };
-    enum pel_err err = map->settled ? pel_scene_test(map->scene, patch, fault)
+    /* Who is answered before a sea is built is told now of a full disk. */
+    enum pel_err err = map->settled ? pel_scene_keeps(map->scene, fault)
                                     : pel_scene_patch(map->scene, patch, fault);
+    if (!err && map->settled) {
+        err = pel_scene_test(map->scene, patch, fault);
+    }
     if (!err && map->settled) {
         map->waiting++;
         map->ended = PEL_OK;

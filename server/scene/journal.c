@@ -676,6 +676,11 @@ bool pel_journal_add(struct pel_journal *j, double time_s,
     return kept;
 }
 
+bool pel_journal_refuses(const struct pel_journal *j)
+{
+    return j && j->refuses && !j->cares.goes_on;
+}
+
 bool pel_journal_lacks(const struct pel_journal *j)
 {
     return j && j->lacks;

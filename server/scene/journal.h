@@ -76,6 +76,10 @@ PEL_CHECK bool pel_journal_add(struct pel_journal *journal, double time_s,
                                const Pelagos__Patch *patch,
                                const Pelagos__State *state);
 
+/* Whether it refused the last edit, for which it has no room yet; NULL
+ * allowed. */
+bool pel_journal_refuses(const struct pel_journal *journal);
+
 /* Whether an edit that took effect is in no file yet; NULL allowed. */
 bool pel_journal_lacks(const struct pel_journal *journal);
 

@@ -338,6 +338,15 @@ static bool says_sources_only(const Pelagos__Patch *patch)
                        &patch->state->sources->base);
 }
 
+static enum pel_err full(const struct pel_scene *scene, struct pel_fault *fault)
+{
+    char why[400];
+    return pel_fault_set(fault, PEL_ERR_FULL, "the edit cannot be kept: %.200s",
+                         pel_journal_trouble(scene->journal, why, sizeof why)
+                             ? why
+                             : "the disk is full");
+}
+
 enum pel_err pel_scene_keep(struct pel_scene *scene, double time_s,
                             const Pelagos__Patch *patch,
                             const Pelagos__State *state,
@@ -350,12 +359,14 @@ enum pel_err pel_scene_keep(struct pel_scene *scene, double time_s,
     if (scene->journal_goes_on || says_sources_only(patch)) {
         return PEL_OK;
     }
-    char why[400];
     turn_journal(scene);
-    return pel_fault_set(fault, PEL_ERR_FULL, "the edit cannot be kept: %.200s",
-                         pel_journal_trouble(scene->journal, why, sizeof why)
-                             ? why
-                             : "the disk is full");
+    return full(scene, fault);
+}
+
+enum pel_err pel_scene_keeps(const struct pel_scene *scene,
+                             struct pel_fault *fault)
+{
+    return pel_journal_refuses(scene->journal) ? full(scene, fault) : PEL_OK;
 }
 
 void pel_scene_kept(struct pel_scene *scene)

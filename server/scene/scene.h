@@ -137,6 +137,11 @@ void pel_scene_troubles(const struct pel_scene *scene,
 /* Whether an edit took effect that no file has: a kill now would lose it. */
 bool pel_scene_volatile(const struct pel_scene *scene);
 
+/* FULL: the disk had no room for the last edit and has none yet, as far as is
+ * known. For who answers an edit before it takes effect. */
+PEL_CHECK enum pel_err pel_scene_keeps(const struct pel_scene *scene,
+                                       struct pel_fault *fault);
+
 const struct pel_missing *pel_scene_missing(const struct pel_scene *scene);
 
 /* Whether there is a directory of measured spectra. */
