@@ -535,6 +535,36 @@ class Durable(unittest.TestCase):
                 sentence, ("127.0.0.1", nmea))))
 
     @unittest.skipIf(SANITIZED, "a sanitizer must be loaded first")
+    def test_events_of_an_exercise(self):
+        """One that comes due while the disk is full stays due, and the log is
+        not filled; it takes effect when there is room."""
+        folder = os.path.join(self.folder.name, "exercises")
+        os.mkdir(folder)
+        with open(os.path.join(folder, "one.json"), "w") as f:
+            json.dump({"ownShip": 1, "state": {"entities": [
+                {"id": 1, "latitude": 52.6, "longitude": 5.2}]}, "events": [
+                    {"name": "fog", "when": [{"at": 2}], "patch": {"state": {
+                        "sky": {"visibility": 777}}}}]}, f)
+        with disk_that_fills(self.folder.name) as path, self.daemon(
+                "--exercises", folder) as daemon:
+            daemon.patch({"clock": {"mode": "FREE"}})
+            daemon.request("POST", "/v1/exercise", {"action": "LOAD",
+                                                    "name": "one"})
+            with open(path + "-", "w", encoding="ascii") as f:
+                f.write("EIO")
+            daemon.request("POST", "/v1/exercise", {"action": "START"})
+            begun = field(daemon, "clock.time")
+            os.rename(path + "-", path)
+            until("it is due", lambda: field(daemon, "clock.time") > begun + 4)
+            self.assertNotEqual(field(daemon, "sky.visibility"), 777)
+            for said in ("EXR-001", "EXR-006"):
+                self.assertNotIn(said, daemon.log())
+            os.unlink(path)
+            until("it has come", lambda:
+                  field(daemon, "sky.visibility") == 777)
+            self.assertEqual(daemon.log().count("EXR-007"), 1)
+
+    @unittest.skipIf(SANITIZED, "a sanitizer must be loaded first")
     def test_an_end_that_loses_edits_says_so(self):
         """Where neither the state nor its journal can be written SIGTERM does
         not end with 0."""

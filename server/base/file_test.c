@@ -221,7 +221,7 @@ static int wrong_link(void)
     for (size_t i = 0; i < sizeof links_of / sizeof *links_of; i++) {
         char *text = NULL;
         size_t size;
-        int fd;
+        int fd = -1;
         enum pel_err err = links_of[i].err;
         bool wrong = pel_file_read_in(in_tree("in"), links_of[i].name, 100,
                                       &text, &size, NULL) != err ||
@@ -229,7 +229,7 @@ static int wrong_link(void)
         free(text);
         wrong = wrong || pel_file_open_in(in_tree("in"), links_of[i].name, &fd,
                                           NULL) != err;
-        if (!err) {
+        if (fd >= 0) {
             close(fd);
         }
         if (wrong) {

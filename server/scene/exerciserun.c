@@ -111,10 +111,14 @@ static enum pel_err commit(struct pel_exercise_run *run, Pelagos__Patch *patch,
     return err;
 }
 
-/* What cannot be, as these edits are ours. */
+/* What cannot be, as these edits are ours, unless the disk is full, which its
+ * journal tells. */
 static void failed(const struct pel_exercise_run *run,
                    const struct pel_fault *fault)
 {
+    if (fault->code == PEL_ERR_FULL) {
+        return;
+    }
     pel_error("EXR-001", "exercise %s: %s", run->name, fault->message);
 }
 
@@ -314,7 +318,8 @@ static double commit_clock(const struct pel_exercise_run *run)
 
 static void go_on(struct pel_exercise_run *run);
 
-/* It is over for the event, whether the scene took its patch or not. */
+/* It is over for the event, whether the scene took its patch or not; where the
+ * disk is full it stays due until there is room. */
 static void fired(void *user, enum pel_err err, const struct pel_fault *fault)
 {
     struct pel_exercise_run *run = user;
@@ -323,7 +328,7 @@ static void fired(void *user, enum pel_err err, const struct pel_fault *fault)
     bool waited = !run->firing;
     settled(run);
     run->fired += !err;
-    if (err) {
+    if (err && err != PEL_ERR_FULL) {
         run->refused++;
         pel_warn("EXR-006", "event %s of exercise %s changes nothing: %s %s",
                  name, run->name, fault->path, fault->message);
@@ -332,7 +337,7 @@ static void fired(void *user, enum pel_err err, const struct pel_fault *fault)
         if (commit(run, patch, commit_clock(run), &why)) {
             failed(run, &why);
         }
-    } else {
+    } else if (!err) {
         pel_info("EXR-007", "exercise %s, %.1f s: %s", run->name,
                  (double)run->tick * PEL_EXERCISE_TICK_S, name);
     }
