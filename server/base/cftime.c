@@ -158,10 +158,12 @@ static bool reference_of(const char *text, struct reference *out)
     }
     at += strspn(at, " ");
     char word[16];
-    snprintf(word, sizeof word, "%s", at);
-    word[strcspn(word, " ")] = '\0';
-    if (hour < 0 || hour > 24 || minute < 0 || minute > 59 ||
-        !(second >= 0 && second < 61) || !zone_s(word, &zone)) {
+    size_t length = strcspn(at, " ");
+    snprintf(word, sizeof word, "%.*s", length < sizeof word ? (int)length : 0,
+             at);
+    at += length + strspn(at + length, " ");
+    if (*at || length >= sizeof word || hour < 0 || hour > 24 || minute < 0 ||
+        minute > 59 || !(second >= 0 && second < 61) || !zone_s(word, &zone)) {
         return false;
     }
     r.second = hour * 3600.0 + minute * 60.0 + second - zone;

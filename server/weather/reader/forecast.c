@@ -296,12 +296,16 @@ static enum pel_err choose_waves(struct pel_forecast_file *file,
 /* --- their numbers -----------------------------------------------------------
  */
 
+/* Above all that was measured over the sea, and below 99, a usual fill. */
+#define MOST_WIND 98
+
 /* What a number may be, before it is said to be a mistake of the file. */
 static bool is_possible(const struct pel_forecast_kind *kind, double v)
 {
     switch (kind->quantity) {
     case PEL_CF_MPS:
-        return fabs(v) <= 120 && (kind->number != PEL_FORECAST_SPEED || v >= 0);
+        return fabs(v) <= MOST_WIND &&
+               (kind->number != PEL_FORECAST_SPEED || v >= 0);
     case PEL_CF_DEG:
         return fabs(v) <= 720;
     case PEL_CF_HZ:
@@ -325,6 +329,20 @@ static double ours(const struct pel_forecast_kind *kind, double v)
     }
 }
 
+static enum pel_err refuse_fill(const struct pel_forecast_file *file,
+                                const struct pel_forecast_slice *s,
+                                double value, const char *why,
+                                struct pel_fault *fault)
+{
+    char at[32], cure[112];
+    file->declare(file, s, value, cure);
+    return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
+                         "%s (%.30s) at %s has %g, %s: a fill value that is "
+                         "not declared? %s",
+                         pel_forecast_name_of(s->kind.number), s->label,
+                         pel_cf_when(s->unix_s, at), value, why, cure);
+}
+
 /* A field in our units, NAN where there is none. */
 static enum pel_err read_slice(struct pel_forecast_file *file,
                                const struct pel_forecast_slice *s,
@@ -332,18 +350,21 @@ static enum pel_err read_slice(struct pel_forecast_file *file,
 {
     char at[32];
     size_t nodes = (size_t)s->x.count * (size_t)s->y.count;
+    double odd;
+    size_t count;
     enum pel_err err = file->read(file, s, plane, fault);
+    if (!err &&
+        pel_forecast_find_fill(s->kind.quantity, plane, nodes, &odd, &count)) {
+        snprintf(at, sizeof at, "far from all, %zu ×", count);
+        return refuse_fill(file, s, odd, at, fault);
+    }
     for (size_t i = 0; !err && i < nodes; i++) {
         double v = plane[i];
         if (isnan(v)) {
             continue;
         }
         if (!is_possible(&s->kind, v)) {
-            return pel_fault_set(fault, PEL_ERR_OUT_OF_RANGE,
-                                 "%s (%s) at %s has %g, which cannot be; a "
-                                 "fill value that is not declared?",
-                                 pel_forecast_name_of(s->kind.number), s->label,
-                                 pel_cf_when(s->unix_s, at), v);
+            return refuse_fill(file, s, v, "which cannot be", fault);
         }
         plane[i] = ours(&s->kind, v);
         if (s->kind.quantity == PEL_CF_HZ && plane[i] > 31.9) {

@@ -80,6 +80,11 @@ struct pel_forecast_slice {
     char label[48];
 };
 
+/* Finds a number that several nodes have to the bit and that is far from all
+ * others, as a fill value is which nobody declared. */
+bool pel_forecast_find_fill(enum pel_cf_quantity quantity, const double *plane,
+                            size_t nodes, double *value, size_t *count);
+
 #define PEL_FORECAST_MOST_SLICES 65536
 
 struct pel_forecast_file {
@@ -98,6 +103,10 @@ struct pel_forecast_file {
     enum pel_err (*read)(struct pel_forecast_file *file,
                          const struct pel_forecast_slice *slice, double *plane,
                          struct pel_fault *fault);
+    /* The command that makes the number, in the quantity's unit, none. */
+    void (*declare)(const struct pel_forecast_file *file,
+                    const struct pel_forecast_slice *slice, double value,
+                    char out[112]);
     void (*finish)(struct pel_forecast_file *file);
     const char *shown_by; /* the command that lists its fields */
     void *user;

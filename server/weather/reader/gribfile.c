@@ -194,8 +194,9 @@ static const char *other_product(codes_handle *h, long edition, bool *control,
                 strcmp(data, "pf") == 0 || strcmp(data, "cf") == 0 ||
                 number(h, "numberOfForecastsInEnsemble", 0) > 1;
     long drawn = number(h, "typeOfEnsembleForecast", 0);
-    bool perturbed = edition == 2 && (template == 0 ? strcmp(data, "pf") == 0
-                                                    : drawn == 2 || drawn == 3);
+    bool perturbed =
+        edition == 2 && (drawn == 2 || drawn == 3 ||
+                         (strcmp(data, "pf") == 0 && drawn != 0 && drawn != 1));
     if (member != 0 || perturbed) {
         snprintf(out, 48, "ensemble member %ld", member);
         return out;
@@ -671,6 +672,17 @@ static enum pel_err read_slice(struct pel_forecast_file *file,
     return err;
 }
 
+static void declare(const struct pel_forecast_file *file,
+                    const struct pel_forecast_slice *slice, double value,
+                    char out[112])
+{
+    double room = 1e-3 * fabs(value);
+    (void)file;
+    (void)slice;
+    snprintf(out, 112, "cdo setrtomiss,%.6g,%.6g IN OUT", value - room,
+             value + room);
+}
+
 static void finish(struct pel_forecast_file *file)
 {
     if (file->user) {
@@ -685,6 +697,7 @@ enum pel_err pel_forecast_list_grib(const char *path,
     *is_one = false;
     out->user = fopen(path, "rb");
     out->read = read_slice;
+    out->declare = declare;
     out->finish = finish;
     out->shown_by = "grib_ls FILE";
     return out->user ? list(out, out->user, is_one, fault) : PEL_OK;

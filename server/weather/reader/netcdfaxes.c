@@ -1,4 +1,5 @@
 /* Axes of NetCDF files: CF's conventions, and names where files lack them. */
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -43,8 +44,15 @@ size_t pel_netcdf_numbers(int id, int variable, const char *name, size_t most,
 {
     nc_type type = NC_NAT;
     size_t length = 0;
-    bool fine = !nc_inq_att(id, variable, name, &type, &length) && length > 0 &&
-                length <= most && type != NC_CHAR && type <= NC_UINT64 &&
+    char text[40], *end = text;
+    bool has = !nc_inq_att(id, variable, name, &type, &length);
+    if (has && most > 0 && (type == NC_CHAR || type == NC_STRING) &&
+        pel_netcdf_text(id, variable, name, text, sizeof text)) {
+        out[0] = strtod(text, &end);
+        return end > text && *end == '\0' ? 1 : 0;
+    }
+    bool fine = has && length > 0 && length <= most && type != NC_CHAR &&
+                type <= NC_UINT64 &&
                 !nc_get_att_double(id, variable, name, out);
     return fine ? length : 0;
 }
@@ -95,7 +103,8 @@ static const struct {
       "atmosphere_sigma_coordinate ",
       " pa hpa millibar mbar mb ",
       " height heightaboveground height_above_ground z lev level plev levels "
-      "isobaricinhpa pressure_level pressure altitude depth surface " },
+      "isobaricinhpa isobaric pressure_level pressure altitude depth surface "
+      "hybrid sigma " },
 };
 
 enum pel_netcdf_role pel_netcdf_role_of(int id, int variable)
@@ -105,6 +114,10 @@ enum pel_netcdf_role pel_netcdf_role_of(int id, int variable)
     pel_netcdf_text(id, variable, "units", units, sizeof units);
     pel_netcdf_text(id, variable, "axis", axis, sizeof axis);
     (void)nc_inq_varname(id, variable, name);
+    for (size_t n = strlen(name); n > 1 && isdigit((unsigned char)name[n - 1]);
+         n--) {
+        name[n - 1] = '\0'; /* "time1", "height_above_ground2" */
+    }
     bool since = strstr(units, " since ") != NULL;
     for (size_t i = 0; i < sizeof roles / sizeof *roles; i++) {
         if (among(roles[i].standards, standard)) {
@@ -258,12 +271,25 @@ static void find_coordinates(int id, int dimension, struct pel_netcdf_axis *out)
 bool pel_netcdf_metres(int id, int variable, char unit[24])
 {
     double factor;
+    char name[NC_MAX_NAME + 1] = "", standard[64], positive[8];
     bool told = pel_netcdf_text(id, variable, "units", unit, 24);
-    bool metres = !told || pel_cf_unit(unit, PEL_CF_M, &factor);
-    if (metres) {
-        snprintf(unit, 24, "m");
+    bool metres = told && pel_cf_unit(unit, PEL_CF_M, &factor);
+    (void)nc_inq_varname(id, variable, name);
+    pel_netcdf_text(id, variable, "standard_name", standard, sizeof standard);
+    pel_netcdf_text(id, variable, "positive", positive, sizeof positive);
+    if (!told) { /* levels of pressure and of models have numbers too */
+        const char *by = *standard ? standard : name;
+        metres = strncasecmp(by, "height", 6) == 0 ||
+                 strcasecmp(by, "altitude") == 0 || strcasecmp(by, "z") == 0;
+        snprintf(unit, 24, "without units");
     }
-    return metres;
+    bool down = metres && (strcasecmp(positive, "down") == 0 ||
+                           strncasecmp(standard, "depth", 5) == 0 ||
+                           strcasecmp(name, "depth") == 0);
+    if (metres) {
+        snprintf(unit, 24, down ? "m down" : "m");
+    }
+    return metres && !down;
 }
 
 enum pel_err pel_netcdf_axis_of(int id, int dimension,

@@ -2,7 +2,6 @@
  * their axes and units say what they are. */
 #include "weather/reader/netcdffile.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,72 +32,6 @@ struct set {
 /* --- what a variable is -----------------------------------------------------
  */
 
-/* The height that a name or title has in it ("u100", "100 metre U wind"); 0:
- * none. */
-static double height_in(const char *text)
-{
-    for (const char *at = text; *at; at++) {
-        if (isdigit((unsigned char)*at)) {
-            char *end;
-            double v = strtod(at, &end);
-            end += *end == ' ' || *end == '-' || *end == '_';
-            bool unit = (*end == 'm' && (!isalpha((unsigned char)end[1]) ||
-                                         strncmp(end, "met", 3) == 0 ||
-                                         strncmp(end, "mabove", 6) == 0)) ||
-                        (at == text && isalpha((unsigned char)*end)) ||
-                        (at == text + 1 && *end == '\0');
-            if (unit && v > 0) {
-                return v;
-            }
-            at = end - 1;
-        }
-    }
-    return 0;
-}
-
-/* Why a variable that is called as one of ours is not; NULL: it is. */
-static const char *other_product(const struct set *s, const struct variable *v,
-                                 const struct pel_forecast_kind *kind,
-                                 char out[96])
-{
-    char text[96];
-    if (pel_netcdf_text(s->id, v->id, "GRIB_stepType", text, sizeof text) &&
-        strcmp(text, "instant") != 0) {
-        snprintf(out, 96, "stepType %.40s", text);
-        return out;
-    }
-    pel_netcdf_text(s->id, v->id, "cell_methods", text, sizeof text);
-    const char *time = strstr(text, "time:");
-    const char *method = time ? time + 5 + strspn(time + 5, " ") : "point";
-    if (strncmp(method, "point", 5) != 0 && strncmp(method, "inst", 4) != 0) {
-        snprintf(out, 96, "cell_methods %.40s", time);
-        return out;
-    }
-    pel_netcdf_text(s->id, v->id, "long_name", text, sizeof text);
-    if (strcasestr(text, "precipitation")) { /* "tp", as a peak's period is */
-        snprintf(out, 96, "%.60s", text);
-        return out;
-    }
-    const double heights[] = { height_in(v->name), height_in(text) };
-    for (size_t i = 0; kind->height == PEL_FORECAST_AT_10_M && i < 2; i++) {
-        if (heights[i] > 0 && fabs(heights[i] - 10) > 1e-6) {
-            snprintf(out, 96, "at %g m", heights[i]);
-            return out;
-        }
-    }
-    double level = 0;
-    char of[48];
-    pel_netcdf_text(s->id, v->id, "GRIB_typeOfLevel", of, sizeof of);
-    if (kind->height == PEL_FORECAST_AT_10_M && *of &&
-        strcmp(of, "surface") != 0 && strcmp(of, "heightAboveSea") != 0 &&
-        strcmp(of, "heightAboveGround") != 0) {
-        (void)pel_netcdf_numbers(s->id, v->id, "GRIB_level", 1, &level);
-        snprintf(out, 96, "%.40s %g", of, level);
-        return out;
-    }
-    return NULL;
-}
-
 /* Finds the number that a variable holds; "…to" in its title without a
  * standard_name is no direction that can be trusted. */
 static bool kind_of(struct pel_forecast_file *file, const struct set *s,
@@ -123,39 +56,11 @@ static bool kind_of(struct pel_forecast_file *file, const struct set *s,
         }
         return false;
     }
-    if (other_product(s, v, kind, why)) {
+    if (pel_netcdf_other_product(s->id, v->id, kind, why)) {
         pel_forecast_words_add(&file->unread, "%.40s (%s)", v->name, why);
         return false;
     }
     return true;
-}
-
-static enum pel_err check_title(const struct set *s, const struct variable *v,
-                                const struct pel_forecast_kind *kind,
-                                struct pel_fault *fault)
-{
-    static const char *const words[] = { "toward",        "going to",
-                                         "to_dir",        "to direction",
-                                         "oceanographic", "direction to",
-                                         "goes to" };
-    char title[160], standard[80];
-    pel_netcdf_text(s->id, v->id, "standard_name", standard, sizeof standard);
-    pel_netcdf_text(s->id, v->id, "long_name", title, sizeof title);
-    if (kind->quantity != PEL_CF_DEG ||
-        (*standard && strcmp(standard, "unknown") != 0)) {
-        return PEL_OK;
-    }
-    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
-        if (strcasestr(title, words[i])) {
-            return pel_fault_set(
-                fault, PEL_ERR_INVALID,
-                "%.30s has no standard_name, and \"%.50s\" may be to or from: "
-                "ncatted -a standard_name,%.30s,c,c,"
-                "sea_surface_wave_to_direction FILE",
-                v->name, title, v->name);
-        }
-    }
-    return PEL_OK;
 }
 
 static enum pel_err take_unit(struct pel_forecast_file *file,
@@ -225,9 +130,24 @@ static enum pel_err refuse_axis(const struct variable *v, int i,
                          v->name, wanted, a->name, values, a->name, a->name);
 }
 
+/* Coordinates by which a field is none of a run's own, nor of the sea's
+ * surface. */
+static bool is_statistic(const char *name)
+{
+    static const char *const words[] = { "quantile",  "percentile", "probab",
+                                         "threshold", "statistic",  "theta",
+                                         "layer",     "potential",  "levels" };
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        if (strcasestr(name, words[i])) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* One value counts of an axis that is neither place nor time. */
-static enum pel_err fix_axis(struct variable *v, int i,
-                             const struct pel_forecast_kind *kind,
+static enum pel_err fix_axis(struct pel_forecast_file *file, struct variable *v,
+                             int i, const struct pel_forecast_kind *kind,
                              struct pel_fault *fault)
 {
     const struct pel_netcdf_axis *a = &v->axes[i];
@@ -259,8 +179,12 @@ static enum pel_err fix_axis(struct variable *v, int i,
         v->version = i;
         break;
     default:
-        at = a->count == 1 ? 0 : -1;
+        at = a->count == 1 && !is_statistic(a->name) ? 0 : -1;
         wanted = "a dimension that is not known";
+        if (at == 0 && a->values) {
+            pel_forecast_note(file, "%.30s is taken at its one %.30s, %.6g",
+                              v->name, a->name, a->values[0]);
+        }
     }
     v->fixed[i] = at < 0 ? 0 : (size_t)at;
     return at < 0 ? refuse_axis(v, i, wanted, fault) : PEL_OK;
@@ -288,7 +212,28 @@ static enum pel_err refuse_place(const struct set *s, const struct variable *v,
                          *where ? " (" : "", where, *where ? ")" : "");
 }
 
-static enum pel_err take_axes(const struct set *s, struct variable *v,
+/* Whether its grid mapping is another than that of latitude and longitude,
+ * whose names coordinates of any pole may have. */
+static bool is_mapped(const struct set *s, const struct variable *v)
+{
+    char name[80];
+    int id;
+    return pel_netcdf_text(s->id, v->id, "grid_mapping", name, sizeof name) &&
+           !nc_inq_varid(s->id, name, &id) &&
+           pel_netcdf_text(s->id, id, "grid_mapping_name", name, sizeof name) &&
+           strcasecmp(name, "latitude_longitude") != 0;
+}
+
+static bool is_climatology(const struct set *s, const struct pel_netcdf_axis *a)
+{
+    char name[80];
+    return a->role == PEL_NETCDF_TIME && a->variable >= 0 &&
+           pel_netcdf_text(s->id, a->variable, "climatology", name,
+                           sizeof name);
+}
+
+static enum pel_err take_axes(struct pel_forecast_file *file,
+                              const struct set *s, struct variable *v,
                               const struct pel_forecast_kind *kind,
                               struct pel_fault *fault)
 {
@@ -309,18 +254,37 @@ static enum pel_err take_axes(const struct set *s, struct variable *v,
     if (err) {
         return err;
     }
-    if (v->latitude < 0 || v->longitude < 0) {
+    if (v->latitude < 0 || v->longitude < 0 || is_mapped(s, v)) {
         return refuse_place(s, v, fault);
     }
     for (int i = 0; !err && i < v->rank; i++) {
         enum pel_netcdf_role role = v->axes[i].role;
+        if (is_climatology(s, &v->axes[i])) {
+            return pel_fault_set(fault, PEL_ERR_INVALID,
+                                 "%.40s is a climatology by its %.40s; a run "
+                                 "or an analysis is needed",
+                                 v->name, v->axes[i].name);
+        }
         if (role != PEL_NETCDF_LATITUDE && role != PEL_NETCDF_LONGITUDE &&
             role != PEL_NETCDF_TIME && role != PEL_NETCDF_RUN &&
             role != PEL_NETCDF_STEP) {
-            err = fix_axis(v, i, kind, fault);
+            err = fix_axis(file, v, i, kind, fault);
         }
     }
     return err;
+}
+
+/* Whether the word stands between blanks in the list. */
+static bool lists(const char *list, const char *word)
+{
+    size_t length = strlen(word);
+    for (const char *at = strstr(list, word); at; at = strstr(at + 1, word)) {
+        if ((at == list || at[-1] == ' ') &&
+            (at[length] == ' ' || at[length] == '\0')) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /* Whether a coordinate without a dimension is this variable's: it says so, or
@@ -331,16 +295,15 @@ static bool is_of(const struct set *s, const struct variable *v,
     char list[256];
     int count = 0;
     if (pel_netcdf_text(s->id, v->id, "coordinates", list, sizeof list)) {
-        return strstr(list, name) != NULL;
+        return lists(list, name);
     }
-    pel_netcdf_text(s->id, v->id, "long_name", list, sizeof list);
-    if (height_in(v->name) > 0 || height_in(list) > 0) {
+    if (pel_netcdf_height_told(s->id, v->id) > 0) {
         return false; /* it has told its own, and is here if that is 10 m */
     }
     (void)nc_inq_nvars(s->id, &count);
     for (int k = 0; k < count; k++) {
         pel_netcdf_text(s->id, k, "coordinates", list, sizeof list);
-        if (strstr(list, name)) {
+        if (lists(list, name)) {
             return false;
         }
     }
@@ -360,6 +323,12 @@ static enum pel_err check_scalar(const struct set *s, const struct variable *v,
     bool counts = role == PEL_NETCDF_MEMBER ||
                   (height && kind->height == PEL_FORECAST_AT_10_M &&
                    strcasecmp(name, "surface") != 0 && is_of(s, v, name));
+    if (is_statistic(name) && is_of(s, v, name)) {
+        return pel_fault_set(fault, PEL_ERR_INVALID,
+                             "%.40s is of a %.40s, not a run's own: give a "
+                             "file without it",
+                             v->name, name);
+    }
     if (!counts) {
         return PEL_OK;
     }
@@ -537,9 +506,9 @@ static enum pel_err take(struct pel_forecast_file *file, struct set *s, int id,
                              "it has more than %d variables of wind and waves",
                              MOST_VARIABLES - 1);
     }
-    enum pel_err err = take_axes(s, v, &kind, fault);
+    enum pel_err err = take_axes(file, s, v, &kind, fault);
     err = err ? err : check_scalars(s, v, &kind, fault);
-    err = err ? err : check_title(s, v, &kind, fault);
+    err = err ? err : pel_netcdf_check_way(s->id, v->id, &kind, fault);
     err = err ? err : take_unit(file, s, v, &kind, fault);
     if (err == PEL_ERR_INVALID) {
         leave_out(file, v, kind.number, fault);
@@ -564,99 +533,13 @@ static void note_versions(struct pel_forecast_file *file,
 /* --- its numbers ------------------------------------------------------------
  */
 
-/* The numbers that stand for no value, as the file has them, unscaled. */
-struct holes {
-    double values[18];
-    size_t count;
-    double least, most; /* of valid ones */
-    bool scaled;        /* those are of values after the scale */
-    double scale, offset, wrap;
-};
-
-static bool default_fill(nc_type type, double *out)
-{
-    switch (type) {
-    case NC_SHORT:
-        *out = NC_FILL_SHORT;
-        return true;
-    case NC_INT:
-        *out = NC_FILL_INT;
-        return true;
-    case NC_FLOAT:
-        *out = NC_FILL_FLOAT;
-        return true;
-    case NC_DOUBLE:
-        *out = NC_FILL_DOUBLE;
-        return true;
-    case NC_INT64:
-        *out = (double)NC_FILL_INT64;
-        return true;
-    default:
-        return false; /* of bytes every value is one */
-    }
-}
-
-static void find_holes(const struct set *s, const struct variable *v,
-                       struct holes *h)
-{
-    char word[16];
-    double range[2];
-    nc_type type = NC_NAT;
-    *h = (struct holes){ .scale = 1, .least = -INFINITY, .most = INFINITY };
-    h->count = pel_netcdf_numbers(s->id, v->id, "_FillValue", 8, h->values);
-    if (h->count == 0 && default_fill(v->type, &h->values[0])) {
-        h->count = 1;
-    }
-    h->count += pel_netcdf_numbers(s->id, v->id, "missing_value", 8,
-                                   h->values + h->count);
-    (void)pel_netcdf_numbers(s->id, v->id, "scale_factor", 1, &h->scale);
-    (void)pel_netcdf_numbers(s->id, v->id, "add_offset", 1, &h->offset);
-    (void)pel_netcdf_numbers(s->id, v->id, "valid_min", 1, &h->least);
-    (void)pel_netcdf_numbers(s->id, v->id, "valid_max", 1, &h->most);
-    if (pel_netcdf_numbers(s->id, v->id, "valid_range", 2, range) == 2) {
-        h->least = range[0];
-        h->most = range[1];
-    }
-    bool told = !nc_inq_atttype(s->id, v->id, "valid_range", &type) ||
-                !nc_inq_atttype(s->id, v->id, "valid_min", &type) ||
-                !nc_inq_atttype(s->id, v->id, "valid_max", &type);
-    bool whole = v->type != NC_FLOAT && v->type != NC_DOUBLE;
-    h->scaled = told && whole && (type == NC_FLOAT || type == NC_DOUBLE);
-    bool is_unsigned =
-        pel_netcdf_text(s->id, v->id, "_Unsigned", word, sizeof word) &&
-        strcasecmp(word, "true") == 0;
-    h->wrap = !is_unsigned          ? 0
-              : v->type == NC_BYTE  ? 256
-              : v->type == NC_SHORT ? 65536
-              : v->type == NC_INT   ? 4294967296.0
-                                    : 0;
-    for (size_t i = 0; i < h->count; i++) {
-        h->values[i] += h->values[i] < 0 ? h->wrap : 0;
-    }
-}
-
-static double value_of(const struct holes *h, bool single, double raw)
-{
-    raw += raw < 0 ? h->wrap : 0;
-    double v = raw * h->scale + h->offset;
-    double judged = h->scaled ? v : raw;
-    bool none = !isfinite(v) || judged < h->least || judged > h->most;
-    for (size_t i = 0; i < h->count; i++) {
-        double hole = h->values[i];
-        none = none || raw == hole || (single && (float)raw == (float)hole) ||
-               (h->scale != 1 && fabs(v - hole) < 1e-9 * fabs(hole) &&
-                fabs(hole) > 1e3);
-    }
-    return none ? NAN : v;
-}
-
 /* One version's numbers where the plane has none yet. */
 static int read_version(const struct set *s, const struct variable *v,
                         const struct pel_forecast_slice *slice, size_t *at,
-                        double *raw, double *plane)
+                        double *raw, double *plane,
+                        struct pel_netcdf_holes *holes)
 {
     size_t count[PEL_NETCDF_MOST_RANK];
-    struct holes holes;
     size_t nx = (size_t)slice->x.count, ny = (size_t)slice->y.count;
     bool by_rows = v->latitude < v->longitude;
     for (int i = 0; i < v->rank; i++) {
@@ -666,7 +549,6 @@ static int read_version(const struct set *s, const struct variable *v,
     if (why && why != NC_ERANGE) {
         return why;
     }
-    find_holes(s, v, &holes);
     for (size_t y = 0; y < ny; y++) {
         size_t j = slice->y.falling ? ny - 1 - y : y;
         for (size_t x = 0; x < nx; x++) {
@@ -674,8 +556,8 @@ static int read_version(const struct set *s, const struct variable *v,
             double *to = &plane[y * nx + x];
             if (isnan(*to)) {
                 *to = v->factor *
-                      value_of(&holes, v->type == NC_FLOAT,
-                               raw[by_rows ? j * nx + i : i * ny + j]);
+                      pel_netcdf_value(holes,
+                                       raw[by_rows ? j * nx + i : i * ny + j]);
             }
         }
     }
@@ -693,6 +575,8 @@ static enum pel_err read_slice(struct pel_forecast_file *file,
     size_t versions = v->version < 0 ? 1 : v->axes[v->version].count;
     double *raw = malloc(nodes * sizeof *raw), before = -INFINITY;
     int why = raw ? 0 : NC_ENOMEM;
+    struct pel_netcdf_holes holes;
+    pel_netcdf_find_holes(s->id, v->id, v->type, &holes);
     part_at(v, slice->part, at);
     for (size_t i = 0; i < nodes; i++) {
         plane[i] = NAN;
@@ -716,13 +600,25 @@ static enum pel_err read_slice(struct pel_forecast_file *file,
         } else if (v->version >= 0) {
             at[v->version] = k;
         }
-        why = read_version(s, v, slice, at, raw, plane);
+        why = read_version(s, v, slice, at, raw, plane, &holes);
     }
     free(raw);
     return why ? pel_fault_set(fault, PEL_ERR_MALFORMED,
                                "%s cannot be read: %.80s", slice->label,
                                nc_strerror(why))
-               : PEL_OK;
+               : pel_netcdf_check_ends(&holes, v->name, fault);
+}
+
+/* The number as the file has it. */
+static void declare(const struct pel_forecast_file *file,
+                    const struct pel_forecast_slice *slice, double value,
+                    char out[112])
+{
+    const struct set *s = file->user;
+    const struct variable *v = &s->variables[slice->place];
+    struct pel_netcdf_holes holes;
+    pel_netcdf_find_holes(s->id, v->id, v->type, &holes);
+    pel_netcdf_declare(&holes, v->name, value / v->factor, out);
 }
 
 static void finish(struct pel_forecast_file *file)
@@ -761,6 +657,7 @@ enum pel_err pel_forecast_list_netcdf(const char *path,
     *is_one = looks_so(path);
     out->user = s;
     out->read = read_slice;
+    out->declare = declare;
     out->finish = finish;
     out->shown_by = "ncdump -h FILE";
     if (!*is_one || !s) {
