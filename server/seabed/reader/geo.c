@@ -411,40 +411,8 @@ static enum pel_err warp(GDALDatasetH set, const char *source,
 struct numbers {
     double scale, offset;
     struct pel_raster_meaning meaning;
+    struct pel_raster_said said;
 };
-
-/* Beyond the deepest sea and the highest mountain, whichever way it grows. */
-#define MOST_M 11500.0
-#define FILL 9999.0F     /* with a sign, where nobody tells of another */
-#define MOST_BY_CHANCE 3 /* nodes that are it */
-
-/* Numbers that can be no heights: of land whose fill value nobody tells. */
-static enum pel_err check_heights(const float *from, size_t count,
-                                  const struct numbers *n,
-                                  struct pel_fault *fault)
-{
-    size_t fills = 0;
-    float worst = 0;
-    double most = 0;
-    for (size_t i = 0; i < count; i++) {
-        double height =
-            ((double)from[i] * n->scale + n->offset) * n->meaning.metres;
-        fills += fabsf(from[i]) == FILL;
-        if (fabs(height) > most) { /* false for NaN */
-            most = fabs(height);
-            worst = from[i];
-        }
-    }
-    return most <= MOST_M && fills <= MOST_BY_CHANCE
-               ? PEL_OK
-               : pel_fault_set(
-                     fault, PEL_ERR_OUT_OF_RANGE,
-                     "it has %g, which is no height or depth (within %g m): a "
-                     "fill value that is not declared? Say it, as by "
-                     "gdal_edit.py -a_nodata %g FILE, or for netCDF ncatted -a "
-                     "_FillValue,VARIABLE,o,f,%g FILE",
-                     (double)worst, MOST_M, (double)worst, (double)worst);
-}
 
 static enum pel_err take(GDALDatasetH warped, const struct numbers *numbers,
                          bool depths, struct pel_raster_field *out,
@@ -467,7 +435,9 @@ static enum pel_err take(GDALDatasetH warped, const struct numbers *numbers,
         greatest = fmax(greatest, value);
     }
     /* Before its sign, which a fill value would decide. */
-    enum pel_err err = check_heights(from, count, numbers, fault);
+    enum pel_err err =
+        pel_raster_check_fills(from, count, numbers->scale, numbers->offset,
+                               numbers->meaning.metres, &numbers->said, fault);
     err = err ? err
               : pel_raster_sign(&numbers->meaning, depths, least, greatest,
                                 &factor, fault);
@@ -538,9 +508,9 @@ static enum pel_err open_georaster(const struct pel_raster_request *request,
                                    struct numbers *numbers,
                                    struct pel_fault *fault)
 {
-    struct pel_raster_said said = { .netcdf = false };
+    struct pel_raster_said *said = &numbers->said;
     char *wkt = NULL;
-    enum pel_err err = pel_raster_open_netcdf(request->path, out, &said, fault);
+    enum pel_err err = pel_raster_open_netcdf(request->path, out, said, fault);
     bool by_dims = *out != NULL;
     if (!err && !by_dims) {
         err = open_raster(request->path, out, fault);
@@ -551,18 +521,17 @@ static enum pel_err open_georaster(const struct pel_raster_request *request,
     GDALRasterBandH band = GDALGetRasterBand(*out, 1);
     OGRSpatialReferenceH srs = GDALGetSpatialRef(*out);
     if (!by_dims) {
-        pel_raster_said_by_band(band, &said);
+        pel_raster_said_by_band(band, said);
         const char *driver = GDALGetDriverShortName(GDALGetDatasetDriver(*out));
-        said.up_by_bag = strcmp(driver, "BAG") == 0;
-        said.netcdf = strcmp(driver, "netCDF") == 0;
+        said->up_by_bag = strcmp(driver, "BAG") == 0;
+        said->netcdf = strcmp(driver, "netCDF") == 0;
     }
     if (srs && (by_dims || OSRIsVertical(srs))) {
         wkt = plane_of(srs);
     }
     numbers->scale = GDALGetRasterScale(band, NULL);
     numbers->offset = GDALGetRasterOffset(band, NULL);
-    err =
-        pel_raster_mean(&said, srs, request->depths, &numbers->meaning, fault);
+    err = pel_raster_mean(said, srs, request->depths, &numbers->meaning, fault);
     err = err ? err : place_raster(request, out, frame, fault);
     if (!err && wkt && !request->placed) {
         *frame = wkt;
@@ -578,7 +547,9 @@ enum pel_err pel_raster_read(const struct pel_raster_request *request,
     bool exr = false;
     char frame[160];
     const char *source = NULL;
-    struct numbers numbers = { 1, 0, { 1, PEL_RASTER_AS_ASKED, false, "" } };
+    struct numbers numbers = {
+        .scale = 1, .meaning = { 1, PEL_RASTER_AS_ASKED, false, "" }
+    };
     local_frame(request->origin_latitude, request->origin_longitude, frame);
     enum pel_err err = find_exr(request->path, &exr, fault);
     if (!err) {

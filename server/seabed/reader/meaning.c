@@ -17,6 +17,15 @@ static void copy(char *to, size_t size, const char *from)
     snprintf(to, size, "%s", from ? from : "");
 }
 
+char pel_raster_letter(GDALDataType type)
+{
+    return type == GDT_Float64                       ? 'd'
+           : type == GDT_Int16 || type == GDT_UInt16 ? 's'
+           : type == GDT_Int32 || type == GDT_UInt32 ? 'l'
+           : type == GDT_Byte                        ? 'b'
+                                                     : 'f';
+}
+
 void pel_raster_said_by_band(GDALRasterBandH band, struct pel_raster_said *out)
 {
     copy(out->name, sizeof out->name,
@@ -30,6 +39,10 @@ void pel_raster_said_by_band(GDALRasterBandH band, struct pel_raster_said *out)
          GDALGetMetadataItem(band, "long_name", NULL));
     copy(out->positive, sizeof out->positive,
          GDALGetMetadataItem(band, "positive", NULL));
+    GDALDataType type = GDALGetRasterDataType(band);
+    out->type = pel_raster_letter(type);
+    copy(out->comment, sizeof out->comment,
+         GDALGetMetadataItem(band, "comment", NULL));
     copy(out->unit, sizeof out->unit, GDALGetRasterUnitType(band));
     if (!*out->unit) {
         copy(out->unit, sizeof out->unit,
@@ -70,6 +83,40 @@ enum pel_raster_way pel_raster_way_of_name(const char *name)
 
 /* --- which way ------------------------------------------------------------ */
 
+/* "down", "downwards", "Up"; in a text behind "positive". */
+static enum pel_raster_way way_of_words(const struct pel_raster_said *said)
+{
+    const char *const texts[] = { said->positive, said->long_name,
+                                  said->comment };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        const char *at = texts[i];
+        for (; i > 0 && *at && !begins(at, "positive"); at++) {
+        }
+        at += i > 0 && *at ? strlen("positive") : 0;
+        at += strspn(at, " -_:=(");
+        if (begins(at, "down") || begins(at, "up")) {
+            return begins(at, "down") ? PEL_RASTER_DOWN : PEL_RASTER_UP;
+        }
+    }
+    return PEL_RASTER_AS_ASKED;
+}
+
+/* Whether its name or title calls it a depth, or its numbers soundings. */
+static bool called_depth(const struct pel_raster_said *said)
+{
+    static const char *const words[] = { "depth", "bathy", "sounding" };
+    static const char *const names[] = { "dep", "dpt", "dept", "deptho" };
+    bool called = false;
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        called = called || has(said->name, words[i]) ||
+                 has(said->long_name, words[i]) || has(said->comment, words[i]);
+    }
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        called = called || strcasecmp(said->name, names[i]) == 0;
+    }
+    return called;
+}
+
 struct vote {
     enum pel_raster_way way;
     char by[96];
@@ -104,12 +151,12 @@ static enum pel_err find_way(const struct pel_raster_said *said,
     votes[0].way = pel_raster_way_of_name(said->standard);
     snprintf(votes[0].by, sizeof votes[0].by, "standard_name %.70s",
              said->standard);
-    votes[1].way = strcasecmp(said->positive, "down") == 0 ? PEL_RASTER_DOWN
-                   : strcasecmp(said->positive, "up") == 0
-                       ? PEL_RASTER_UP
-                       : PEL_RASTER_AS_ASKED;
-    snprintf(votes[1].by, sizeof votes[1].by, "positive \"%s\"",
-             said->positive);
+    votes[1].way = way_of_words(said);
+    snprintf(votes[1].by, sizeof votes[1].by, "%s \"%.70s\"",
+             *said->positive ? "positive" : "text",
+             *said->positive  ? said->positive
+             : *said->comment ? said->comment
+                              : said->long_name);
     if (said->up_by_bag) {
         votes[2] = (struct vote){ PEL_RASTER_UP, "format BAG" };
     } else {
@@ -130,11 +177,9 @@ static enum pel_err find_way(const struct pel_raster_said *said,
         }
         told = told ? told : &votes[i];
     }
-    bool called = has(said->name, "depth") || has(said->long_name, "depth") ||
-                  has(said->name, "bathym") || has(said->long_name, "bathym");
-    out->way = told     ? told->way
-               : called ? PEL_RASTER_BY_SIGN
-                        : PEL_RASTER_AS_ASKED;
+    out->way = told                 ? told->way
+               : called_depth(said) ? PEL_RASTER_BY_SIGN
+                                    : PEL_RASTER_AS_ASKED;
     out->by_crs = told == &votes[2] && !said->up_by_bag;
     snprintf(out->why, sizeof out->why, "%s", told ? told->by : said->name);
     if (depths && out->way == PEL_RASTER_UP) {
@@ -152,13 +197,16 @@ enum pel_err pel_raster_sign(const struct pel_raster_meaning *m, bool depths,
                              struct pel_fault *fault)
 {
     bool down = m->way == PEL_RASTER_DOWN || depths;
-    if (m->way == PEL_RASTER_DOWN && m->by_crs && greatest <= 0 && least < 0) {
+    if (m->way == PEL_RASTER_DOWN && greatest <= 0 && least < 0) {
         return pel_fault_set(fault, PEL_ERR_INVALID,
                              "by its %.90s its numbers grow downward, but none "
-                             "is above 0: if they are heights give it "
-                             "another, as by gdal_edit.py -a_srs EPSG:4326 "
+                             "is above 0: if they are heights say so, as by %s "
                              "FILE",
-                             m->why);
+                             m->why,
+                             m->by_crs ? "gdal_edit.py -a_srs EPSG:4326"
+                                       : "ncatted -a standard_name,VARIABLE,o,"
+                                         "c,altitude -a positive,VARIABLE,o,c,"
+                                         "up");
     }
     if (depths && m->way != PEL_RASTER_DOWN && greatest <= 0 && least < 0) {
         return pel_fault_set(fault, PEL_ERR_CONFLICT,
@@ -196,6 +244,31 @@ static bool metres_of(const char *unit, double *out)
     return pel_cf_unit(plain, PEL_CF_M, out);
 }
 
+/* The unit that a title has in it: "Elevation (feet)", "depth_fathoms"; 1:
+ * none, or metres. */
+static double unit_of_words(const struct pel_raster_said *said)
+{
+    static const char *const units[] = { "ft",        "feet",    "foot",
+                                         "fathom",    "fathoms", "cm",
+                                         "usft",      "ftus",    "decimeters",
+                                         "decimetres" };
+    const char *const texts[] = { said->name, said->long_name };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        for (const char *at = texts[i]; *at;) {
+            size_t length = strcspn(at, " _-()[],.;:/");
+            for (size_t k = 0; k < sizeof units / sizeof *units; k++) {
+                double metres = 1;
+                if (length == strlen(units[k]) && begins(at, units[k]) &&
+                    pel_cf_unit(units[k], PEL_CF_M, &metres)) {
+                    return metres;
+                }
+            }
+            at += length + (at[length] != '\0');
+        }
+    }
+    return 1;
+}
+
 static enum pel_err find_unit(const struct pel_raster_said *said,
                               OGRSpatialReferenceH srs, double *metres,
                               struct pel_fault *fault)
@@ -206,7 +279,7 @@ static enum pel_err find_unit(const struct pel_raster_said *said,
     if (srs && OSRIsVertical(srs) && OSRGetAxis(srs, "VERT_CS", 0, &axis)) {
         by_crs = OSRGetTargetLinearUnits(srs, "VERT_CS", (char **)&name);
     }
-    *metres = by_crs > 0 ? by_crs : 1;
+    *metres = by_crs > 0 ? by_crs : unit_of_words(said);
     if (!*said->unit) {
         return PEL_OK;
     }

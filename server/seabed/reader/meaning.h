@@ -12,8 +12,10 @@ struct pel_raster_said {
     char name[64]; /* of the variable */
     char standard[96], long_name[96];
     char positive[24], unit[48];
-    bool netcdf;    /* NCO mends it, else GDAL's own tool */
-    bool up_by_bag; /* heights by the format, whatever its CRS calls itself */
+    char comment[96]; /* and other texts */
+    char type;        /* of its numbers, as NCO calls it */
+    bool netcdf;      /* NCO mends it, else GDAL's own tool */
+    bool up_by_bag;   /* heights by the format, whatever its CRS calls itself */
 };
 
 enum pel_raster_way {
@@ -33,6 +35,9 @@ struct pel_raster_meaning {
 /* By a standard_name of CF, or one that begins as plainly. */
 enum pel_raster_way pel_raster_way_of_name(const char *name);
 
+/* NCO's letter of a type of numbers. */
+char pel_raster_letter(GDALDataType type);
+
 /* The attributes that GDAL keeps with a band. */
 void pel_raster_said_by_band(GDALRasterBandH band, struct pel_raster_said *out);
 
@@ -49,3 +54,10 @@ PEL_CHECK enum pel_err pel_raster_sign(const struct pel_raster_meaning *meaning,
                                        bool depths, double least,
                                        double greatest, double *factor,
                                        struct pel_fault *fault);
+
+/* OUT_OF_RANGE: among the numbers that were read are some that are no heights,
+ * or a usual fill value apart from all others, which the file does not declare.
+ * *fault has the command that does. */
+PEL_CHECK enum pel_err pel_raster_check_fills(
+    const float *from, size_t count, double scale, double offset, double metres,
+    const struct pel_raster_said *said, struct pel_fault *fault);

@@ -278,16 +278,114 @@ static bool same(GDALDatasetH set, const double t[6])
            fabs(has[5] - t[5]) * rows < 1e-3 * fabs(t[5]);
 }
 
+/* --- what GDAL leaves to others --------------------------------------------
+ */
+
+#define MOST_NONE 8
+
+/* Numbers that stand for no height, and a scale that is a text. */
+struct odd {
+    double least, most, none[MOST_NONE], scale, offset;
+    size_t count;
+    bool any;
+    bool range_of_values, none_of_values; /* of values after the scale */
+};
+
+/* An attribute's numbers, or the one that it has as a text. *real: they are
+ * floating, or a text. */
+static size_t numbers(GDALMDArrayH array, const char *name, size_t most,
+                      double *out, bool *real)
+{
+    char text[48], *end = text;
+    GDALAttributeH a = GDALMDArrayGetAttribute(array, name);
+    if (!a) {
+        return 0;
+    }
+    GDALExtendedDataTypeH type = GDALAttributeGetDataType(a);
+    GDALDataType plain = GDALExtendedDataTypeGetNumericDataType(type);
+    bool is_text = GDALExtendedDataTypeGetClass(type) != GEDTC_NUMERIC;
+    *real = is_text || plain == GDT_Float32 || plain == GDT_Float64;
+    size_t count = 0;
+    double *values = is_text ? NULL : GDALAttributeReadAsDoubleArray(a, &count);
+    count = values ? count < most ? count : most : 0;
+    for (size_t i = 0; values && i < count; i++) {
+        out[i] = values[i];
+    }
+    CPLFree(values);
+    GDALExtendedDataTypeRelease(type);
+    GDALAttributeRelease(a);
+    if (is_text) {
+        attribute(array, name, text, sizeof text);
+        double v = strtod(text, &end);
+        count = end > text && end[strspn(end, " ")] == '\0';
+        *out = count ? v : *out;
+    }
+    return count;
+}
+
+static bool is_whole(GDALMDArrayH array)
+{
+    GDALExtendedDataTypeH type = GDALMDArrayGetDataType(array);
+    GDALDataType plain = GDALExtendedDataTypeGetNumericDataType(type);
+    GDALExtendedDataTypeRelease(type);
+    return plain != GDT_Float32 && plain != GDT_Float64;
+}
+
+/* valid_range, several missing_value or one of values, texts. */
+static void find_odd(GDALMDArrayH array, struct odd *o)
+{
+    bool real = false, whole = is_whole(array);
+    double range[2];
+    int has = 0;
+    *o = (struct odd){ .least = -INFINITY, .most = INFINITY };
+    size_t ends = numbers(array, "valid_min", 1, &o->least, &real) +
+                  numbers(array, "valid_max", 1, &o->most, &real);
+    if (numbers(array, "valid_range", 2, range, &real) == 2) {
+        o->least = range[0];
+        o->most = range[1];
+        ends++;
+    }
+    o->range_of_values = whole && real;
+    o->count = numbers(array, "missing_value", MOST_NONE, o->none, &real);
+    o->none_of_values = whole && real;
+    o->scale = GDALMDArrayGetScale(array, &has);
+    bool text = !has && numbers(array, "scale_factor", 1, &o->scale, &real) > 0;
+    o->scale = has || text ? o->scale : 1;
+    o->offset = GDALMDArrayGetOffset(array, &has);
+    text = text ||
+           (!has && numbers(array, "add_offset", 1, &o->offset, &real) > 0);
+    o->offset = has || text ? o->offset : 0;
+    o->any =
+        ends > 0 || o->count > 1 || (o->count > 0 && o->none_of_values) || text;
+}
+
+static void take_out(const struct odd *o, struct pel_raster_plain *plain)
+{
+    size_t nodes = (size_t)plain->columns * (size_t)plain->rows;
+    for (size_t i = 0; i < nodes; i++) {
+        double raw = (double)plain->values[i];
+        double value = raw * o->scale + o->offset;
+        double judged = o->range_of_values ? value : raw;
+        bool none = judged < o->least || judged > o->most;
+        for (size_t k = 0; k < o->count; k++) {
+            none = none || (float)raw == (float)o->none[k] ||
+                   (o->none_of_values &&
+                    fabs(value - o->none[k]) <= 0.5 * fabs(o->scale));
+        }
+        plain->values[i] = none ? NAN : plain->values[i];
+    }
+}
+
 /* The numbers in memory, with a transform of ours. */
 static enum pel_err replace(GDALDatasetH *set, const double t[6],
-                            struct pel_fault *fault)
+                            const struct odd *odd, struct pel_fault *fault)
 {
     struct pel_raster_plain plain;
     enum pel_err err = pel_raster_read_plain(*set, &plain, fault);
     if (err) {
         return err;
     }
-    GDALRasterBandH old = GDALGetRasterBand(*set, 1);
+    take_out(odd, &plain);
     GDALDatasetH to = pel_raster_of_plain(&plain);
     if (!to || GDALSetGeoTransform(to, (double *)t)) {
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "%.160s",
@@ -295,8 +393,8 @@ static enum pel_err replace(GDALDatasetH *set, const double t[6],
     }
     GDALRasterBandH band = GDALGetRasterBand(to, 1);
     GDALSetRasterNoDataValue(band, NAN);
-    GDALSetRasterScale(band, GDALGetRasterScale(old, NULL));
-    GDALSetRasterOffset(band, GDALGetRasterOffset(old, NULL));
+    GDALSetRasterScale(band, odd->scale);
+    GDALSetRasterOffset(band, odd->offset);
     GDALSetSpatialRef(to, GDALGetSpatialRef(*set));
     *set = to;
     return PEL_OK;
@@ -337,12 +435,21 @@ static enum pel_err check_unit(GDALDimensionH dim, bool has_frame,
 
 static void say(GDALMDArrayH array, struct pel_raster_said *out)
 {
+    static const char *const more[] = { "description", "note", "convention",
+                                        "direction" };
     *out = (struct pel_raster_said){ .netcdf = true };
     snprintf(out->name, sizeof out->name, "%s", GDALMDArrayGetName(array));
     attribute(array, "standard_name", out->standard, sizeof out->standard);
     attribute(array, "long_name", out->long_name, sizeof out->long_name);
     attribute(array, "positive", out->positive, sizeof out->positive);
     attribute(array, "units", out->unit, sizeof out->unit);
+    attribute(array, "comment", out->comment, sizeof out->comment);
+    for (size_t i = 0; !*out->comment && i < sizeof more / sizeof *more; i++) {
+        attribute(array, more[i], out->comment, sizeof out->comment);
+    }
+    GDALExtendedDataTypeH type = GDALMDArrayGetDataType(array);
+    out->type = pel_raster_letter(GDALExtendedDataTypeGetNumericDataType(type));
+    GDALExtendedDataTypeRelease(type);
     if (!*out->unit) { /* the driver takes it as its own */
         const char *unit = GDALMDArrayGetUnit(array);
         snprintf(out->unit, sizeof out->unit, "%s", unit ? unit : "");
@@ -355,6 +462,7 @@ enum pel_err pel_raster_open_netcdf(const char *path, GDALDatasetH *out,
 {
     static const char *const only[] = { "netCDF", NULL };
     struct array a = { .is = NULL };
+    struct odd odd;
     double x[2], y[2];
     bool several = false;
     enum pel_err err = PEL_OK;
@@ -383,5 +491,8 @@ enum pel_err pel_raster_open_netcdf(const char *path, GDALDatasetH *out,
     const double transform[6] = {
         x[0] - 0.5 * x[1], x[1], 0, y[0] - 0.5 * y[1], 0, y[1],
     };
-    return same(*out, transform) ? PEL_OK : replace(out, transform, fault);
+    find_odd(a.is, &odd);
+    return same(*out, transform) && !odd.any
+               ? PEL_OK
+               : replace(out, transform, &odd, fault);
 }
