@@ -351,6 +351,34 @@ class Forms(unittest.TestCase):
                 "\n")[1] + "\n")
         self.refused(path, "line 2", "fewer values")
 
+    def test_ndbc_fills_among_bands(self):
+        """99.00 in some bands was a sea of 11 m, of all alike no sea at all."""
+        head, stamp = "#YY  MM DD hh mm   ", "2019 01 01 00"
+        for mark in ("99.00", "9.99", "99.99"):
+            got = self.is_it(self.ndbc(head, stamp, missing=(0, 1, 36, 37),
+                                       mark=mark), None)
+            self.assertEqual(got["bands"], 34, mark)
+            self.refused(self.ndbc(head, stamp, missing=range(38), mark=mark),
+                         "no density")
+        self.refused(self.ndbc(head, "2019 02 30 00"), "time")
+
+    def test_ndbc_moments_in_hundredths(self):
+        path = self.ndbc("#YY  MM DD hh mm   ", "2019 01 01 00",
+                         letters="wdijk")
+        plain = self.is_it(path)
+        for letter in "jk":
+            other = os.path.join(self.folder, os.path.basename(path).replace(
+                "w", letter))
+            with open(other, encoding="utf-8") as f:
+                top, *rows = f.read().splitlines()
+            with open(other, "w", encoding="utf-8") as f:
+                f.write(top + "\n")
+                for row in rows:
+                    words = row.split()
+                    f.write(" ".join(words[:5] + [
+                        f"{100 * float(w):.2f}" for w in words[5:]]) + "\n")
+        self.assertAlmostEqual(self.is_it(path)["r1"], plain["r1"], 3)
+
     def netcdf(self, directions=True, scale=1.0, axis=HZ, axis_units="Hz",
                units="m2/Hz", missing=slice(0, 0), polar=slice(0, 0),
                time_units="seconds since 1970-01-01", calendar=None):

@@ -441,6 +441,8 @@ static void turn(float v[3], struct pel_vec3 x, struct pel_vec3 y,
     v[2] = (float)pel_vec3_dot(p, z);
 }
 
+#define LEAST_SIZE_M 0.1 /* of what is seen at sea */
+
 /* Metres of one of its units: as is said, or metres, or, where it would be
  * larger than anything, millimetres. */
 static double choose_scale(const struct pel_mesh_request *r,
@@ -461,6 +463,12 @@ static double choose_scale(const struct pel_mesh_request *r,
                       "length or scale in the .json beside it",
                       length / 1000);
         return 0.001;
+    }
+    if (most < LEAST_SIZE_M) {
+        pel_mesh_note(notes,
+                      "only %.2g m long; give its length or scale in the "
+                      ".json beside it",
+                      length);
     }
     return 1;
 }

@@ -21,7 +21,9 @@ double pel_shelf_unix(int year, int month, int day, double seconds)
     struct tm tm = { .tm_year = year - 1900,
                      .tm_mon = month - 1,
                      .tm_mday = day };
-    return (double)timegm(&tm) + seconds;
+    time_t midnight = timegm(&tm);
+    /* 30 February would be one of March. */
+    return tm.tm_mday == day ? (double)midnight + seconds : NAN;
 }
 
 static void utc_text(double unix_s, char out[32])

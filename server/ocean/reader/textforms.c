@@ -596,6 +596,30 @@ static enum pel_err has_directions(const char *path, bool *out,
                                of_letters[(int)lacks]);
 }
 
+/* Whether a density stands for none: several bands are it, and it is all nines,
+ * or all of the bands are it. */
+static bool is_fill(const double *density, int count, double v)
+{
+    int same = 0;
+    for (int k = 0; k < count; k++) {
+        same += density[k] == v;
+    }
+    bool nines = v == 9.99 || v == 99 || v == 99.9 || v == 99.99;
+    return v > 0 && ((nines && same >= 3) || same == count);
+}
+
+/* Files of months and years have r1 and r2 in hundredths, others as they are
+ * (NDBC, "Measurement descriptions and units"). */
+static double moment_unit(const double *r1, const double *r2, int count)
+{
+    for (int k = 0; k < count; k++) {
+        if (r1[k] > 1.5 || r2[k] > 1.5) { /* false for NAN */
+            return 0.01;
+        }
+    }
+    return 1;
+}
+
 enum pel_err pel_read_historical(const char *path, const struct pel_want *want,
                                  struct pel_measured *out, double *unix_s,
                                  struct pel_fault *fault)
@@ -627,19 +651,16 @@ enum pel_err pel_read_historical(const char *path, const struct pel_want *want,
         return err;
     }
     static struct pel_bands bands;
-    int none = 0; /* 99.00, where most of a record is */
-    for (int k = 0; k < t->nf; k++) {
-        none += v[0][k] == 99.0;
-    }
+    double unit = directional ? moment_unit(v[3], v[4], t->nf) : 1;
     pel_bands_init(&bands, t->nf);
     for (int k = 0; k < t->nf; k++) {
         bands.frequency_hz[k] = t->frequency[k];
-        bands.density[k] = v[0][k] == 99.0 && 2 * none > t->nf ? NAN : v[0][k];
+        bands.density[k] = is_fill(v[0], t->nf, v[0][k]) ? NAN : v[0][k];
         if (directional) {
             bands.alpha1_rad[k] = pel_goes_to_rad(v[1][k]);
             bands.alpha2_rad[k] = pel_goes_to_rad(v[2][k]);
-            bands.r1[k] = v[3][k];
-            bands.r2[k] = v[4][k];
+            bands.r1[k] = v[3][k] * unit;
+            bands.r2[k] = v[4][k] * unit;
         }
     }
     return pel_bands_take(&bands, out, fault);
