@@ -329,7 +329,8 @@ class Forms(unittest.TestCase):
                               ("k", "r2")):
             self.refused(at(letter), words, "44902w2019.txt")
         shutil.copy(at("d"), os.path.join(folder, "renamed.txt"))
-        self.refused(os.path.join(folder, "renamed.txt"), "height", "m")
+        self.refused(os.path.join(folder, "renamed.txt"), "bands are 210",
+                     "no densities")
         os.remove(at("j"))
         self.refused(at("w"), "'j'", "r1")
         for letter in "dik":

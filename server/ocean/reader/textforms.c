@@ -596,16 +596,35 @@ static enum pel_err has_directions(const char *path, bool *out,
                                of_letters[(int)lacks]);
 }
 
-/* Whether a density stands for none: several bands are it, and it is all nines,
- * or all of the bands are it. */
-static bool is_fill(const double *density, int count, double v)
+static int count_of_value(const double *density, int count, double v)
 {
     int same = 0;
     for (int k = 0; k < count; k++) {
         same += density[k] == v;
     }
+    return same;
+}
+
+/* Whether a density stands for none: nines that several bands have. */
+static bool is_fill(const double *density, int count, double v)
+{
     bool nines = v == 9.99 || v == 99 || v == 99.9 || v == 99.99;
-    return v > 0 && ((nines && same >= 3) || same == count);
+    return nines && count_of_value(density, count, v) >= 3;
+}
+
+/* A sea has no spectrum that is flat, files of other things may be. */
+static enum pel_err check_flat(const double *density, int count,
+                               struct pel_fault *fault)
+{
+    double v = density[0];
+    return v > 0 && !is_fill(density, count, v) &&
+                   count_of_value(density, count, v) == count
+               ? pel_fault_set(fault, PEL_ERR_INVALID,
+                               "all of its %d bands are %g: a fill value, or "
+                               "no densities; choose another measuredTime or "
+                               "file",
+                               count, v)
+               : PEL_OK;
 }
 
 /* Files of months and years have r1 and r2 in hundredths, others as they are
@@ -647,6 +666,10 @@ enum pel_err pel_read_historical(const char *path, const struct pel_want *want,
                               "the file of '%c' lacks the record", "wdijk"[i]);
         }
     }
+    if (err) {
+        return err;
+    }
+    err = check_flat(v[0], t->nf, fault);
     if (err) {
         return err;
     }

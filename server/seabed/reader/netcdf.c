@@ -317,8 +317,10 @@ static size_t numbers(GDALMDArrayH array, const char *name, size_t most,
     if (is_text) {
         attribute(array, name, text, sizeof text);
         double v = strtod(text, &end);
-        count = end > text && end[strspn(end, " ")] == '\0';
-        *out = count ? v : *out;
+        if (end > text && end[strspn(end, " ")] == '\0') {
+            *out = v;
+            count = 1;
+        }
     }
     return count;
 }
