@@ -660,7 +660,7 @@ page-access: deps ## axe over every state of the page at three sizes, phones, ke
 	$(Q)node tests/page/page_phone_test.mjs
 
 .PHONY: attacks
-attacks: deps ## attacks by a watch token while an instructor works, ATTACK_SECONDS (10) each: a table of waits (ARGS='hls_left …')
+attacks: deps ## attacks by a watch token while an instructor works, ATTACK_SECONDS (10) each: a table of waits and the bars missed (ARGS="hls_left …", "--parent DIR")
 	$(Q)$(MAKE) -s --no-print-directory all
 	$(Q)/usr/bin/python3 -B tests/soak/attacks.py $(ARGS)
 

@@ -1,24 +1,27 @@
 #!/usr/bin/python3
-"""Attacks by holders of a `watch` token, one after the other, each for
-ATTACK_SECONDS (10), while an instructor edits, logs in, watches and asks for
-/healthz. Prints a Markdown table of how long the instructor waited and what the
-control thread's longest dispatch was; status 1 where a request of the
-instructor failed or a bar was missed.
+"""Attacks by holders of a `watch` token (attackers.py), one after the other,
+each for ATTACK_SECONDS (10) in two parts with as much quiet between, while an
+instructor edits, logs in, watches and asks for /healthz. Prints a Markdown
+table of how long the instructor waited, quiet and attacked, of the control
+thread's longest dispatch, and of how many of the attackers' requests were
+accepted; then every bar that was missed. Status 1 where one was, a request of
+the instructor failed, or an attack was not accepted as meant.
 
-    tests/soak/attacks.py [NAME…]
+    tests/soak/attacks.py [--parent DIR] [NAME…]
 
-Attackers are processes of nice 19, since those of real attacks run on machines
-of their own. The first row is without an attack.
+--parent DIR: each attack on the programs of DIR first, then on ours. Their bars
+are not judged. Attackers are processes of nice 19, since those of real attacks
+run on machines of their own.
 """
-import asyncio
-import base64
 import contextlib
-import json
 import multiprocessing
 import os
 import re
+import signal
 import socket
+import ssl
 import statistics
+import subprocess
 import sys
 import tempfile
 import threading
@@ -26,235 +29,38 @@ import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, os.pardir))
+sys.path.insert(0, HERE)
+import pelagos_daemon  # noqa: E402
+from attackers import (ATTACKS, EXERCISE_KIB, EXERCISES, SPARE,  # noqa: E402
+                       TALLY, TOKENS, attack, fleet, head, hls_left,
+                       hls_reloads, idle, mjpeg, rtsp, sessions, teardown,
+                       ts_kinds, websockets)
 from pelagos_daemon import ROOT, Daemon, Session, free_port  # noqa: E402
 
+__all__ = ["TOKENS", "attack", "head", "hls_left", "hls_reloads", "idle",
+           "mjpeg", "rtsp", "sessions", "teardown", "ts_kinds", "websockets"]
 SECONDS = float(os.environ.get("ATTACK_SECONDS", "10"))
 BAR_MS = 50.0  # from request to first byte; of streams: added between pictures
 DISPATCH_MS = 1.0
-TOKENS = {role: f"{role}-token-0123456789" for role in
-          ("watch", "steer", "instruct")}
-EXERCISES, EXERCISE_KIB = 200, 700
-
-
-# --- attackers ---------------------------------------------------------------
-
-def head(method, path, role="watch", body=b"", more=""):
-    kind = "Content-Type: application/json\r\n" if body else ""
-    return (f"{method} {path} HTTP/1.1\r\nHost: localhost\r\n"
-            f"Authorization: Bearer {TOKENS[role]}\r\n{kind}{more}"
-            f"Content-Length: {len(body)}\r\n\r\n").encode() + body
-
-
-async def ask(port, request, read=True, linger_s=None):
-    """One request on a connection of its own, read to the end or left."""
-    reader, writer = await asyncio.open_connection("127.0.0.1", port)
-    try:
-        writer.write(request)
-        await writer.drain()
-        if linger_s is not None:
-            await asyncio.sleep(linger_s)
-        elif read:
-            while await reader.read(1 << 16):
-                pass
-        else:
-            await asyncio.sleep(3600)
-    finally:
-        writer.close()
-
-
-async def again(make, pause_s=0.0):
-    """make() for ever; what is refused or closed is tried again."""
-    while True:
-        with contextlib.suppress(OSError, asyncio.IncompleteReadError):
-            await make()
-        await asyncio.sleep(pause_s or 0.02)
-
-
-def close(request):
-    return request.replace(b"\r\n\r\n", b"\r\nConnection: close\r\n\r\n", 1)
-
-
-def points(count):
-    return json.dumps({"points": [
-        {"east": i % 100, "north": i // 100} for i in range(count)]},
-        separators=(",", ":")).encode()
-
-
-def surface(ports):
-    request = close(head("POST", "/v1/surface", body=points(2000)))
-    return [again(lambda: ask(ports["http"], request)) for _ in range(16)]
-
-
-def surface_protobuf(ports):
-    from pelagos_daemon import schema, varint
-    pb = schema()
-
-    def message(**command):
-        data = pb.Request(id=1, **command).SerializeToString()
-        return varint(len(data)) + data
-    many = message(surface={"points": [
-        {"east": i % 100, "north": i // 100} for i in range(3000)]})
-    login = message(login={"token": TOKENS["watch"]})
-    return [again(lambda: ask(ports["tcp"], login + many * 8, linger_s=1.0))
-            for _ in range(16)]
-
-
-def state(ports):
-    return [again(lambda: ask(ports["http"],
-                              close(head("GET", "/v1/state"))))
-            for _ in range(16)]
-
-
-def spectrum(ports):
-    request = close(head("GET", "/v1/spectrum?format=json"))
-    return [again(lambda: ask(ports["http"], request)) for _ in range(16)]
-
-
-def series(ports):
-    request = close(head(
-        "GET", "/v1/series/surface?points=0,0;10,0;20,0;30,0&"
-        "sweep=time=0:60:0.1"))
-    return [again(lambda: ask(ports["http"], request)) for _ in range(8)]
-
-
-def hls_reloads(ports):
-    request = head("GET", "/v1/views/bridge/hls.m3u8?_HLS_msn=1&_HLS_part=0")
-    return [again(lambda: ask(ports["http"], request)) for _ in range(150)]
-
-
-def hls_left(ports):
-    def one(i):
-        width = 64 + 16 * (i % 64)
-        return again(lambda: ask(
-            ports["http"],
-            head("GET", f"/v1/views/bridge/hls.m3u8?width={width}&height=64"),
-            linger_s=0.03))
-    return [one(i) for i in range(64)]
-
-
-def mjpeg(ports):
-    return [again(lambda i=i: ask(ports["http"], head(
-        "GET", f"/v1/views/bridge/mjpeg?quality={i + 1}"))) for i in range(64)]
-
-
-def sessions(ports):
-    from pelagos_daemon import schema, varint
-    pb = schema()
-    login = pb.Request(id=1, login={"token": TOKENS["watch"]})
-    watch = pb.Request(id=2, watch={})
-    data = b"".join(varint(len(d)) + d for d in
-                    (login.SerializeToString(), watch.SerializeToString()))
-    return [again(lambda: ask(ports["tcp"], data)) for _ in range(64)]
-
-
-def rtsp(ports):
-    basic = base64.b64encode(f"x:{TOKENS['watch']}".encode()).decode()
-
-    async def one():
-        reader, writer = await asyncio.open_connection("127.0.0.1",
-                                                       ports["rtsp"])
-        url = f"rtsp://127.0.0.1:{ports['rtsp']}/bridge"
-
-        async def send(method, at, number, more=""):
-            writer.write((f"{method} {at} RTSP/1.0\r\nCSeq: {number}\r\n"
-                          f"Authorization: Basic {basic}\r\n{more}\r\n")
-                         .encode())
-            answer = await reader.readuntil(b"\r\n\r\n")
-            if (length := re.search(rb"Content-Length: (\d+)", answer, re.I)):
-                answer += await reader.readexactly(int(length[1]))
-            return answer
-        try:
-            sdp = await send("DESCRIBE", url, 1)
-            control = re.findall(rb"a=control:(\S+)", sdp)
-            at = control[-1].decode() if control else "stream=0"
-            at = at if at.startswith("rtsp:") else f"{url}/{at}"
-            await send("SETUP", at, 2, "Transport: RTP/AVP/TCP;unicast;"
-                       "interleaved=0-1\r\n")
-            await asyncio.sleep(3600)
-        finally:
-            writer.close()
-    return [again(one) for _ in range(64)]
-
-
-def idle(ports):
-    return [again(lambda: ask(ports["http"],
-                              b"GET /v1/state HTTP/1.1\r\nHost: localhost\r\n"))
-            for _ in range(300)]
-
-
-def unread(ports):
-    """Pictures of 2048² that nobody reads."""
-    request = head("GET", "/v1/views/bridge/frame.exr?width=2048&height=2048")
-    return [again(lambda: ask(ports["http"], request, read=False))
-            for _ in range(16)]
-
-
-def exercises(ports):
-    return [again(lambda: ask(ports["http"], close(
-        head("GET", "/v1/exercises", role="instruct")))) for _ in range(4)]
-
-
-def largest_patch(ports):
-    """The largest legal edit of an instructor's, again and again."""
-    def body():
-        return json.dumps({"entities": fleet((time.time() * 7) % 360)},
-                          separators=(",", ":")).encode()
-    return [again(lambda: ask(ports["http"], close(
-        head("PATCH", "/v1/state", role="instruct", body=body()))), 0.1)]
-
-
-def fleet(heading):
-    """As many ships as the state holds beside own ship, in under 64 KiB."""
-    return {str(i): {"name": f"ship {i}", "latitude": 52.6 + i * 1e-4,
-                     "longitude": 5.2 - i * 1e-4, "speed": i % 20,
-                     "heading": round((heading + i * 7) % 360, 3),
-                     "course": round((heading + i * 7) % 360, 3)}
-            for i in range(2, 257)}
-
-
-ATTACKS = [
-    ("nobody", "no attack", None),
-    ("surface", "16 × surface of 2,000 points, JSON", surface),
-    ("surface_protobuf", "16 × 8 surfaces of 3,000 points, protobuf",
-     surface_protobuf),
-    ("state", "16 × the whole state", state),
-    ("spectrum", "16 × the spectrum", spectrum),
-    ("series", "8 series of 2,400 numbers", series),
-    ("hls_reloads", "150 blocking reloads of HLS", hls_reloads),
-    ("hls_left", "64 kinds of HLS, left after 30 ms", hls_left),
-    ("mjpeg", "64 qualities of Motion-JPEG", mjpeg),
-    ("sessions", "64 protobuf sessions that watch", sessions),
-    ("rtsp", "64 SETUPs without PLAY", rtsp),
-    ("idle", "300 halves of requests", idle),
-    ("unread", "16 × an EXR of 2048² that nobody reads", unread),
-    ("exercises", f"4 × the list of {EXERCISES} exercises of "
-     f"{EXERCISE_KIB} KiB (instruct)", exercises),
-    ("largest_patch", "an edit of 255 entities, ten a second (instruct)",
-     largest_patch),
-]
-
-
-def attack(make, ports):
-    os.nice(19)
-
-    async def run():
-        await asyncio.gather(*make(ports))
-    asyncio.run(run())
-
-
+DATAGRAMS = 3  # an address of others hears no more of an offer; times its bytes
 WAITS = ("edit", "healthz", "login", "stream", "rtsp")
 
-
-# --- the instructor ----------------------------------------------------------
 
 class Instructor:
     """Waits are in ms; what fails is a sentence in `faults`."""
 
-    def __init__(self, daemon, rtsp_port):
-        self.daemon, self.rtsp_port = daemon, rtsp_port
+    def __init__(self, daemon, rtsp_port, tls=None):
+        self.daemon, self.rtsp_port, self.tls = daemon, rtsp_port, tls
+        self.end = threading.Event()
+        self.asked = 0
+        self.begin()
+
+    def begin(self):
+        """From now on others are counted; those so far."""
+        before = self.__dict__.get("waits"), self.__dict__.get("gaps")
         self.waits = {what: [] for what in WAITS}
         self.gaps, self.faults = [], []
-        self.end = threading.Event()
+        return before
 
     def http(self, method, path, body=None):
         begun = time.monotonic()
@@ -265,16 +71,19 @@ class Instructor:
         return (time.monotonic() - begun) * 1e3
 
     def edit(self):
-        wind = 8 + len(self.waits["edit"]) % 2 * 0.5
-        return self.http("PATCH", "/v1/state",
-                         {"entities": {"1": {"speed": wind}}})
+        self.asked += 1
+        return self.http("PATCH", "/v1/state", {
+            "entities": {"1": {"speed": 8 + self.asked % 2 * 0.5}}})
 
     def healthz(self):
         return self.http("GET", "/healthz")
 
+    def wrapped(self, s):
+        return self.tls.wrap_socket(s) if self.tls else s
+
     def login(self):
         begun = time.monotonic()
-        with Session(self.daemon.connect_tcp(20)) as session:
+        with Session(self.wrapped(self.daemon.connect_tcp(20))) as session:
             reply = session.ask(login={"token": TOKENS["instruct"]})
             if reply is None or reply.HasField("error"):
                 raise OSError(f"login: {reply}")
@@ -282,9 +91,9 @@ class Instructor:
 
     def stream(self):
         """From asking for a live view to its first byte."""
+        self.asked += 1
         begun = time.monotonic()
-        quality = 60 + len(self.waits["stream"]) % 20
-        with self.open_stream(f"quality={quality}") as s:
+        with self.open_stream(f"quality={60 + self.asked % 20}") as s:
             if b" 200 " not in (first := s.recv(4096)):
                 raise OSError(f"stream: {first[:200]}")
         return (time.monotonic() - begun) * 1e3
@@ -292,7 +101,8 @@ class Instructor:
     def rtsp(self):
         """From connecting to the answer to a question."""
         begun = time.monotonic()
-        with socket.create_connection(("127.0.0.1", self.rtsp_port), 20) as s:
+        with self.wrapped(socket.create_connection(
+                ("127.0.0.1", self.rtsp_port), 20)) as s:
             s.sendall(f"OPTIONS rtsp://127.0.0.1:{self.rtsp_port}/wing "
                       "RTSP/1.0\r\nCSeq: 1\r\nAuthorization: Bearer "
                       f"{TOKENS['instruct']}\r\n\r\n".encode())
@@ -328,7 +138,7 @@ class Instructor:
     def work(self, seconds):
         end = time.monotonic() + seconds
         while time.monotonic() < end:
-            for name in self.waits:
+            for name in WAITS:
                 try:
                     self.waits[name].append(getattr(self, name)())
                 except (OSError, ValueError) as fault:
@@ -342,104 +152,237 @@ def p99(values):
     return sorted(values)[min(len(values) - 1, int(len(values) * 0.99))]
 
 
-def longest_dispatch(metrics):
-    """By processor time where the daemon says so; ms and its name."""
-    found = [(v * 1e3, re.search(r'"([^"]*)"', k)[1])
-             for k, v in metrics.items()
-             if re.match(r"pelagos_control_(processor|cpu)_longest", k)]
-    found = found or [(v * 1e3, re.search(r'"([^"]*)"', k)[1])
-                      for k, v in metrics.items()
-                      if k.startswith("pelagos_control_stall_longest")]
-    return max(found, default=(0.0, "nothing"))
+# --- one attack ----------------------------------------------------------------
+
+def longest_dispatch(instructor):
+    """[ms], its name and its clock: the thread's own where there is one."""
+    found = {}
+    answer = instructor.daemon.request("GET", "/metrics", headers={
+        "Authorization": "Bearer " + TOKENS["instruct"]})
+    for clock, name in (("processor", "(?:processor|cpu)"), ("wall", "stall")):
+        found[clock] = [
+            (float(value) * 1e3, what, clock) for what, value in re.findall(
+                rf'^pelagos_control_{name}_longest\w*{{[^"]*"([^"]*)"}} (\S+)',
+                answer.body.decode(), re.M)]
+    return max(found["processor"] or found["wall"] or [(0.0, "nothing", "")])
 
 
-def prepare(folder):
-    tokens = os.path.join(folder, "tokens")
-    with open(tokens, "w", encoding="ascii") as f:
-        f.writelines(f"{t} {r} of-{r}\n" for r, t in TOKENS.items())
-    os.chmod(tokens, 0o600)
-    os.mkdir(os.path.join(folder, "exercises"))
-    with open(os.path.join(ROOT, "clients/exercises/crossing.json"),
-              encoding="utf-8") as f:
-        text = f.read().rstrip()
-    text = text[:-1] + " " * (EXERCISE_KIB * 1024 - len(text)) + "}"
-    for i in range(EXERCISES):
-        with open(os.path.join(folder, "exercises", f"e{i:03}.json"), "w",
-                  encoding="ascii") as f:
-            f.write(text)
-    return tokens
+class Place:
+    """Files that all daemons of a run use."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.tokens = os.path.join(folder, "tokens")
+        self.cert, self.key = (os.path.join(folder, n) for n in
+                               ("cert.pem", "key.pem"))
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt",
+                        "ec_paramgen_curve:P-256", "-nodes", "-subj",
+                        "/CN=localhost", "-days", "2", "-keyout", self.key,
+                        "-out", self.cert], check=True, capture_output=True)
+        os.chmod(self.key, 0o600)
+        self.write(True)
+        os.mkdir(os.path.join(folder, "exercises"))
+        with open(os.path.join(ROOT, "clients/exercises/crossing.json"),
+                  encoding="utf-8") as f:
+            text = f.read().rstrip()
+        text = text[:-1] + " " * (EXERCISE_KIB * 1024 - len(text)) + "}"
+        for i in range(EXERCISES):
+            with open(os.path.join(folder, "exercises", f"e{i:03}.json"), "w",
+                      encoding="ascii") as f:
+                f.write(text)
+
+    def write(self, spare):
+        tokens = {**{t: r for r, t in TOKENS.items()},
+                  **({SPARE: "watch"} if spare else {})}
+        with open(self.tokens + ".new", "w", encoding="ascii") as f:
+            f.writelines(f"{t} {r} of-{r}-{len(t)}\n"
+                         for t, r in tokens.items())
+        os.chmod(self.tokens + ".new", 0o600)
+        os.replace(self.tokens + ".new", self.tokens)
 
 
-def one_attack(name, words, make, tokens, folder):
-    rtsp_port = free_port()
-    with Daemon("--token-file", tokens, "--rtsp", f"127.0.0.1:{rtsp_port}",
-                "--exercises", os.path.join(folder, "exercises")) as daemon:
-        instructor = Instructor(daemon, rtsp_port)
+@contextlib.contextmanager
+def revoking(place, daemon):
+    """Takes the spare token back each second, and gives it again."""
+    end = threading.Event()
+
+    def run():
+        there = True
+        while not end.wait(0.5):
+            there = not there
+            place.write(there)
+            daemon.process.send_signal(signal.SIGHUP)
+    thread = threading.Thread(target=run)
+    thread.start()
+    yield
+    end.set()
+    thread.join()
+    place.write(True)
+
+
+class Ears:
+    """Addresses that an offer names, and what they hear."""
+
+    def __init__(self):
+        self.port = free_port()
+        self.sockets = []
+        for i in range(16):
+            s = socket.socket(type=socket.SOCK_DGRAM)
+            s.bind((f"127.0.7.{i + 1}", self.port))
+            s.setblocking(False)
+            self.sockets.append(s)
+
+    def heard(self):
+        count, where = 0, 0
+        for s in self.sockets:
+            before = count
+            with contextlib.suppress(BlockingIOError):
+                while s.recv(4096):
+                    count += 1
+            where += count > before
+        return count, where
+
+
+def one_attack(name, make, place, folder):
+    """Programs of `folder`; what was seen."""
+    pelagos_daemon.BIN = folder
+    rtsp_port, options, ears = free_port(), [], None
+    if name == "tls_stalls":
+        options = ["--tls-cert", place.cert, "--tls-key", place.key]
+    if name == "ice":
+        ears = Ears()
+        options = ["--whep-servers", f"stun://127.0.0.1:{free_port()}",
+                   "--trust-proxy", "127.0.0.1"]
+    tls = None
+    if name == "tls_stalls":
+        tls = ssl.create_default_context()
+        tls.check_hostname, tls.verify_mode = False, ssl.CERT_NONE
+    with Daemon("--token-file", place.tokens, "--rtsp",
+                f"127.0.0.1:{rtsp_port}", "--exercises",
+                os.path.join(place.folder, "exercises"), *options) as daemon:
+        one = Instructor(daemon, rtsp_port, tls)
         view = {"entity": 1, "width": 320, "height": 180}
         for change in ({"views": {"bridge": view, "wing": view}},
                        {"entities": fleet(0)}):
-            instructor.http("PATCH", "/v1/state", change)
-        watcher = threading.Thread(target=instructor.watch)
+            one.http("PATCH", "/v1/state", change)
+        watcher = threading.Thread(target=one.watch)
         watcher.start()
         time.sleep(2)  # programs are compiled
-        instructor.work(1)
-        instructor.__dict__.update(gaps=[], faults=[], waits={
-            k: [] for k in instructor.waits})
-        attacker = None
-        if make:
-            attacker = multiprocessing.Process(target=attack, args=(
-                make, {"http": daemon.http_port, "tcp": daemon.tcp_port,
-                       "rtsp": rtsp_port}), daemon=True)
-            attacker.start()
-            time.sleep(1)
-        instructor.work(SECONDS)
-        resident = daemon.rss() / 1e6
-        if attacker:
-            attacker.kill()
-            attacker.join()
-        instructor.end.set()
-        watcher.join()
+        one.work(1)
+        quiet, attacked, faults = ({w: [] for w in (*WAITS, "gaps")},
+                                   {w: [] for w in (*WAITS, "gaps")}, [])
+        ports = {"http": daemon.http_port, "tcp": daemon.tcp_port,
+                 "rtsp": rtsp_port, "ice": ears.port if ears else 0}
+        TALLY.take()
+
+        def part(into):
+            one.begin()
+            one.work(SECONDS / 2)
+            faults.extend(one.faults)
+            for what in WAITS:
+                into[what] += one.waits[what]
+            into["gaps"] += one.gaps
         try:
-            metrics = {}
-            for line in daemon.request("GET", "/metrics", headers={
-                    "Authorization": "Bearer " + TOKENS["instruct"]}
-                    ).body.decode().splitlines():
-                if line and not line.startswith("#"):
-                    key, value = line.rsplit(" ", 1)
-                    metrics[key] = float(value)
-        except (OSError, ValueError) as fault:
-            instructor.faults.append(f"metrics: {fault}")
-        return instructor, longest_dispatch(metrics), resident
+            before = longest_dispatch(one)
+            for _ in range(2):
+                part(quiet)
+                attacker = multiprocessing.Process(
+                    target=attack, args=(make, ports), daemon=True)
+                attacker.start()
+                time.sleep(1)
+                with revoking(place, daemon) if name == "revoked" \
+                        else contextlib.nullcontext():
+                    part(attacked)
+                resident = daemon.rss() / 1e6
+                attacker.kill()
+                attacker.join()
+                time.sleep(1)
+            after = longest_dispatch(one)
+        except OSError as fault:
+            faults.append(f"{name}: {fault}")
+            before = after = (float("nan"), "not told", "")
+            resident = 0
+        one.end.set()
+        watcher.join()
+    return {"quiet": quiet, "attacked": attacked, "faults": faults,
+            "dispatch": after, "rose": after[0] > before[0],
+            "resident": resident, "tally": TALLY.take(),
+            "heard": ears.heard() if ears else None}
+
+
+# --- the table -------------------------------------------------------------------
+
+def seen(r):
+    """Cells of one run."""
+    asked = sum(len(r["attacked"][w]) + len(r["quiet"][w])
+                for w in WAITS) + len(r["faults"])
+    added = p99(r["attacked"]["gaps"]) - p99(r["quiet"]["gaps"])
+    waits = ", ".join(f"{p99(r['attacked'][w]):.0f}" for w in WAITS)
+    quiet = ", ".join(f"{p99(r['quiet'][w]):.0f}" for w in WAITS)
+    ms, what, clock = r["dispatch"]
+    return (f"{len(r['faults'])} of {asked}", waits, quiet,
+            f"{p99(r['attacked']['gaps']):.0f} ({added:+.0f})",
+            f"{'' if r['rose'] else '≤ '}{ms:.1f} ({what}, {clock})")
+
+
+def missed(name, r):
+    """A sentence for each bar that this run misses."""
+    out = [f"{len(r['faults'])} requests failed"] if r["faults"] else []
+    for what in WAITS:
+        waits, quiet = r["attacked"][what], r["quiet"][what]
+        if waits and p99(waits) > BAR_MS:
+            out.append(f"{what} p99 {p99(waits):.0f} ms (quiet "
+                       f"{p99(quiet):.0f}, median {statistics.median(waits):.1f})")
+    added = p99(r["attacked"]["gaps"]) - p99(r["quiet"]["gaps"])
+    if not added <= BAR_MS:
+        out.append(f"pictures {added:+.0f} ms")
+    ms, what, clock = r["dispatch"]
+    if not ms <= DISPATCH_MS and clock != "wall":
+        out.append(f"a dispatch of {ms:.2f} ms ({what})"
+                   + ("" if r["rose"] else ", while it was quiet"))
+    accepted, _, wrong = r["tally"]
+    if wrong or not accepted:
+        out.append(f"{wrong} of the attackers' requests were refused, "
+                   f"{accepted} accepted: "
+                   f"{TALLY.first.value.decode(errors='replace')}")
+    if r["heard"] and r["heard"][0] > DATAGRAMS * max(accepted, 1):
+        out.append(f"{r['heard'][0]} datagrams to others for {accepted} offers")
+    return [f"{name}: {each}" for each in out]
 
 
 def main():
-    wanted = sys.argv[1:]
-    print("| attack | edit | /healthz | login | new live view | RTSP "
-          "| pictures | longest dispatch | resident | failed |")
-    print("|---|---|---|---|---|---|---|---|---|---|")
-    missed, base = False, None
+    wanted, parent = sys.argv[1:], None
+    if wanted[:1] == ["--parent"]:
+        parent, wanted = wanted[1], wanted[2:]
+    ours = pelagos_daemon.BIN
+    print(f"p99 in ms: {', '.join(WAITS)}; load at the begin "
+          f"{os.getloadavg()[0]:.1f}\n")
+    print("| attack | programs | failed | attacked | quiet | pictures "
+          "| longest dispatch | resident | attackers: accepted, busy, refused |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    bars = []
     with tempfile.TemporaryDirectory() as folder:
-        tokens = prepare(folder)
+        place = Place(folder)
         for name, words, make in ATTACKS:
-            if wanted and name not in wanted and make:
+            if wanted and name not in wanted:
                 continue
-            one, (ms, what), resident = one_attack(name, words, make, tokens,
-                                                   folder)
-            gap = p99(one.gaps)
-            base = gap if base is None else base
-            cells = [f"{statistics.median(w):.1f}, {p99(w):.1f}" if w else "–"
-                     for w in one.waits.values()]
-            asked = sum(map(len, one.waits.values())) + len(one.faults)
-            print(f"| {words} | {' | '.join(cells)} | {gap:.0f} "
-                  f"({gap - base:+.0f}) | {ms:.1f} ({what}) | "
-                  f"{resident:.0f} MB | {len(one.faults)} of {asked} |",
-                  flush=True)
-            for fault in dict.fromkeys(one.faults[:5]):
-                print(f"  {name}: {fault}", file=sys.stderr)
-            missed |= bool(one.faults) or gap - base > BAR_MS or any(
-                p99(w) > BAR_MS for w in one.waits.values())
-            missed |= ms > DISPATCH_MS
-    return 1 if missed else 0
+            for which, programs in (("before", parent), ("now", ours)):
+                if not programs:
+                    continue
+                TALLY.first.value = b""
+                r = one_attack(name, make, place, programs)
+                accepted, busy, wrong = r["tally"]
+                heard = f"; {r['heard'][0]} datagrams to {r['heard'][1]} " \
+                    "addresses" if r["heard"] else ""
+                print(f"| {words} | {which} | {' | '.join(seen(r))} | "
+                      f"{r['resident']:.0f} MB | {accepted}, {busy}, {wrong}"
+                      f"{heard} |", flush=True)
+                for fault in dict.fromkeys(r["faults"][:5]):
+                    print(f"  {name} {which}: {fault}", file=sys.stderr)
+                bars += missed(name, r) if which == "now" else []
+    print(f"\nload at the end {os.getloadavg()[0]:.1f}")
+    print("\n".join(["bars missed:", *bars] if bars else ["all bars are held"]))
+    return 1 if bars else 0
 
 
 if __name__ == "__main__":
