@@ -193,6 +193,34 @@ static void streams_are_shared_out(void **state)
     drop(&above);
 }
 
+/* One says the size that the view has, the other none: one picture, and each
+ * gets it, while time goes on. */
+static void the_same_picture_goes_to_both(void **state)
+{
+    (void)state;
+    struct pel_subscription *plain, *sized;
+    struct answer one = { 0 }, other = { 0 };
+    const struct pel_profile its = { .quality = 80 };
+    const struct pel_profile said = { .quality = 80,
+                                      .width = 64,
+                                      .height = 48 };
+    set_clock(PELAGOS__CLOCK_MODE__FREE, 10);
+    assert_int_equal(
+        pel_frames_open(frames, "test", &its, take, &one, &plain, NULL),
+        PEL_OK);
+    assert_int_equal(
+        pel_frames_open(frames, "test", &said, take, &other, &sized, NULL),
+        PEL_OK);
+    run_until(&one.frame_count, 5);
+    run_until(&other.frame_count, 5);
+    pel_frames_unsubscribe(plain);
+    pel_frames_unsubscribe(sized);
+    run_for(100);
+    set_clock(PELAGOS__CLOCK_MODE__STEPPED, 10);
+    drop(&one);
+    drop(&other);
+}
+
 static void subscriptions_are_bounded(void **state)
 {
     (void)state;
@@ -294,6 +322,7 @@ int main(void)
         cmocka_unit_test(size_changes_while_watched),
         cmocka_unit_test(subscribers_may_leave_in_their_callback),
         cmocka_unit_test(streams_are_shared_out),
+        cmocka_unit_test(the_same_picture_goes_to_both),
         cmocka_unit_test(subscriptions_are_bounded),
         cmocka_unit_test(live_views_have_a_budget),
     };

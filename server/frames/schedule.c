@@ -266,8 +266,10 @@ static struct pel_output *add_output(struct pel_job *job,
                                      const struct pel_output *want)
 {
     for (size_t i = 0; i < job->output_count; i++) {
-        bool numbered_alike = job->number == job->moment ||
-                              job->outputs[i].stream == want->stream;
+        /* One output feeds one stream, and requests of the same number. */
+        bool numbered_alike =
+            job->outputs[i].stream == want->stream ||
+            (job->number == job->moment && want->stream == 0);
         if (numbered_alike && same_output(&job->outputs[i], want)) {
             return &job->outputs[i];
         }
