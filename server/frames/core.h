@@ -41,11 +41,19 @@ struct pel_frame_request {
     unsigned layers;
     int64_t requested_ns;
     struct pel_output *output; /* NULL: waits for a frame */
+    enum pel_rank rank;        /* of who asks */
     pel_frame_callback done;
     void *user;
 };
 
 struct pel_stream; /* (view, profile) */
+
+/* How a stream is drawn: see lanes.c. */
+enum pel_lane {
+    PEL_LANE_FRONT,
+    PEL_LANE_BESIDE, /* of a low rank, in the frames of the front */
+    PEL_LANE_BEHIND, /* in a job of its own, in bands between the others */
+};
 
 enum pel_flow {
     PEL_FLOW_RUNS,
@@ -73,6 +81,21 @@ struct pel_stream {
     struct pel_track *track; /* of video */
     int64_t key_due_ns;      /* a key frame is wanted from then on; 0: none */
     int64_t key_ns;          /* when one was last wanted of the encoder */
+    int64_t opened_ns;
+    enum pel_lane lane; /* of the next frame */
+    bool low;           /* its outputs are of low rank; while none is under way
+                         * only this changes */
+    uint64_t turn;      /* of the last frame behind that it was in */
+};
+
+/* How many streams of low ranks are drawn with those of high ranks. */
+struct pel_lanes {
+    bool high;       /* streams of high ranks run */
+    bool split;      /* and others */
+    unsigned beside; /* that many may be */
+    int64_t calm_ns; /* since then frames kept their rate; 0: they did not */
+    int64_t wait_ns; /* before there may be more */
+    int64_t more_ns; /* when there were; 0: taken back */
 };
 
 /* What a frame shows, for questions about it. */
@@ -106,6 +129,7 @@ struct pel_frames {
     struct pel_moment moments[PEL_MOMENTS]; /* the last ones */
     size_t next_moment;
     struct pel_quality quality;
+    struct pel_lanes lanes;
     int64_t last_drawn_ns; /* when the last job's pictures were there */
     uint32_t last_serial;
     unsigned drawing;       /* jobs with render threads, but for large ones */
@@ -263,6 +287,25 @@ void pel_live_deliver(struct pel_frames *frames, uint32_t serial,
                       enum pel_err err, const char *why,
                       struct pel_frame *frame);
 void pel_live_finish(struct pel_frames *frames);
+/* Of each stream the highest of those who watch it. */
+void pel_live_owners(const struct pel_frames *frames,
+                     struct pel_who owners[PEL_MAX_STREAMS]);
+/* Pictures of a stream that are not delivered yet. */
+unsigned pel_live_under_way(const struct pel_frames *frames, uint32_t serial);
+
+/* --- lanes.c ------------------------------------------------------------- */
+
+void pel_lanes_begin(struct pel_lanes *lanes);
+/* Gives every stream its lane in the next frame. */
+void pel_lanes_sort(struct pel_frames *frames);
+/* Whether so many pictures of low ranks wait to be encoded that no more are
+ * begun. */
+bool pel_lanes_full(const struct pel_frames *frames);
+/* The stream behind whose turn it is; NULL: none is left for frame `turn`. */
+struct pel_stream *pel_lanes_next(struct pel_frames *frames, uint64_t turn);
+/* A live frame kept the renderer for so long. */
+void pel_lanes_feed(struct pel_lanes *lanes, double busy_ms, double period_ms,
+                    int64_t now_ns);
 
 /* --- surface.c ----------------------------------------------------------- */
 /* Remembers what a job shows that begins now. */

@@ -3,6 +3,8 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "base/clock.h"
 #include "base/lock.h"
@@ -13,12 +15,27 @@
 #include "proto/formats.h"
 
 #define STOP_NS 1000000000LL
+#define BEHIND_LEAST 2   /* threads for low ranks, */
+#define FRONT_A_BEHIND 4 /* and one for so many others */
+#define BEHIND_NICE 10   /* those that draw have 5 */
+#define MOST_THREADS (PEL_MAX_ENCODERS * (FRONT_A_BEHIND + 1) / FRONT_A_BEHIND)
+
+/* Pictures of low ranks have threads of their own. */
+enum { LANE_FRONT, LANE_BEHIND, LANES };
+
+struct lane {
+    struct pel_queue fast, slow;
+    struct encoder *idle; /* the last one first */
+    int threads;
+    int slow_busy; /* of them: one is left to what is fast */
+};
 
 struct encoder {
     struct pel_encoder_pool *pool;
     pthread_t thread;
     struct encoder *next; /* of the idle; the pool's lock protects it */
     bool slow;            /* its work is; the pool's lock protects it */
+    struct lane *lane;    /* whose work it does, and nothing else */
     pthread_mutex_t lock; /* protects what follows; after the pool's */
     pthread_cond_t wake;
     struct pel_mail *handed;    /* its next work; NULL: it waits */
@@ -31,11 +48,9 @@ struct encoder {
 struct pel_encoder_pool {
     pthread_mutex_t lock; /* protects what follows, down to ended */
     pthread_cond_t over;
-    struct pel_queue fast, slow;
-    struct encoder *idle; /* the last one first */
-    int slow_busy;
+    struct lane lanes[LANES];
     int count, ended;
-    struct encoder encoders[PEL_MAX_ENCODERS];
+    struct encoder encoders[MOST_THREADS];
     atomic_bool stop;
     struct pel_mailbox *box;
     void (*released)(void *user, const struct pel_job_draw *part);
@@ -242,15 +257,15 @@ static struct pel_mail *pop_free(struct pel_queue *queue)
 }
 
 /* Next work under the lock; *slow tells which kind it is. */
-static struct pel_mail *take(struct pel_encoder_pool *pool, bool *slow)
+static struct pel_mail *take(struct lane *lane, bool *slow)
 {
-    int slow_limit = pool->count > 1 ? pool->count - 1 : 1;
-    struct pel_mail *mail = pop_free(&pool->fast);
+    int slow_limit = lane->threads > 1 ? lane->threads - 1 : 1;
+    struct pel_mail *mail = pop_free(&lane->fast);
     *slow = false;
-    if (!mail && pool->slow_busy < slow_limit) {
-        mail = pel_queue_pop(&pool->slow);
+    if (!mail && lane->slow_busy < slow_limit) {
+        mail = pel_queue_pop(&lane->slow);
         *slow = mail != NULL;
-        pool->slow_busy += *slow;
+        lane->slow_busy += *slow;
     }
     return mail;
 }
@@ -267,22 +282,22 @@ static void set_work(struct encoder *encoder, struct pel_mail *mail)
 /* To be woken when the pool's lock is let go. */
 struct woken {
     int count;
-    struct encoder *encoder[PEL_MAX_ENCODERS];
+    struct encoder *encoder[MOST_THREADS];
 };
 
 /* Under the pool's lock: gives the idle what there is to do. */
 static void assign(struct pel_encoder_pool *pool, struct woken *woken)
 {
     woken->count = 0;
-    while (pool->idle && !atomic_load(&pool->stop)) {
-        struct encoder *encoder = pool->idle;
-        struct pel_mail *mail = take(pool, &encoder->slow);
-        if (!mail) {
-            break;
+    for (int i = 0; i < LANES && !atomic_load(&pool->stop); i++) {
+        struct lane *lane = &pool->lanes[i];
+        struct pel_mail *mail;
+        while (lane->idle && (mail = take(lane, &lane->idle->slow))) {
+            struct encoder *encoder = lane->idle;
+            lane->idle = encoder->next;
+            woken->encoder[woken->count++] = encoder;
+            set_work(encoder, mail);
         }
-        pool->idle = encoder->next;
-        woken->encoder[woken->count++] = encoder;
-        set_work(encoder, mail);
     }
 }
 
@@ -317,11 +332,11 @@ static struct pel_mail *next_work(struct encoder *encoder,
     if (track) {
         track->busy = false;
     }
-    pool->slow_busy -= encoder->slow;
+    encoder->lane->slow_busy -= encoder->slow;
     encoder->slow = false;
     if (!atomic_load(&pool->stop)) {
-        encoder->next = pool->idle;
-        pool->idle = encoder;
+        encoder->next = encoder->lane->idle;
+        encoder->lane->idle = encoder;
     }
     assign(pool, &woken);
     pthread_mutex_unlock(&pool->lock);
@@ -344,6 +359,9 @@ static void *run(void *argument)
     struct pel_encoder_pool *pool = encoder->pool;
     struct pel_mail *mail;
     struct pel_track *track = NULL;
+    if (encoder->lane == &encoder->pool->lanes[LANE_BEHIND]) {
+        (void)setpriority(PRIO_PROCESS, (id_t)gettid(), BEHIND_NICE);
+    }
     while ((mail = next_work(encoder, track))) {
         track = track_of(mail);
         if (mail->kind == PEL_MAIL_OUTPUT) {
@@ -372,16 +390,20 @@ enum pel_err pel_encoder_pool_create(
     pel_lock_init(&pool->lock);
     pel_cond_init(&pool->over);
     threads = threads > PEL_MAX_ENCODERS ? PEL_MAX_ENCODERS : threads;
+    int behind = threads / FRONT_A_BEHIND;
+    behind = behind > BEHIND_LEAST ? behind : BEHIND_LEAST;
     pthread_mutex_lock(&pool->lock);
-    for (int i = 0; i < threads; i++) {
+    for (int i = 0; i < threads + behind; i++) {
         struct encoder *encoder = &pool->encoders[i];
         encoder->pool = pool;
+        encoder->lane = &pool->lanes[i < threads ? LANE_FRONT : LANE_BEHIND];
         pel_lock_init(&encoder->lock);
         pthread_cond_init(&encoder->wake, NULL);
         if (pthread_create(&encoder->thread, NULL, run, encoder) != 0) {
             break;
         }
         pthread_setname_np(encoder->thread, "encode");
+        encoder->lane->threads++;
         pool->count = i + 1;
     }
     pthread_mutex_unlock(&pool->lock);
@@ -425,7 +447,8 @@ void pel_encoder_pool_destroy(struct pel_encoder_pool *pool)
 {
     if (pool) {
         struct pel_mail *mail;
-        while ((mail = pel_queue_pop(&pool->fast)) != NULL) {
+        while ((mail = pel_queue_pop(&pool->lanes[LANE_FRONT].fast)) ||
+               (mail = pel_queue_pop(&pool->lanes[LANE_BEHIND].fast))) {
             if (mail->kind == PEL_MAIL_TRACK) {
                 pel_track_unref((struct pel_track *)mail);
             }
@@ -451,21 +474,30 @@ static void push(struct pel_encoder_pool *pool, struct pel_queue *queue,
     wake(&woken);
 }
 
+/* Where threads were short there is none behind. */
+static struct lane *lane_of(struct pel_encoder_pool *pool, bool low)
+{
+    struct lane *behind = &pool->lanes[LANE_BEHIND];
+    return low && behind->threads > 0 ? behind : &pool->lanes[LANE_FRONT];
+}
+
 void pel_encoder_pool_push_output(struct pel_encoder_pool *pool,
                                   struct pel_output *output)
 {
     output->mail.kind = PEL_MAIL_OUTPUT;
+    struct lane *lane = lane_of(pool, output->low);
     bool quick = pel_format_of(output->format)->uses & PEL_FORMAT_QUICK;
     bool radar = output->job->parts[output->draw].radar;
-    bool fast = output->track || (quick && !output->job->large && !radar);
-    push(pool, fast ? &pool->fast : &pool->slow, &output->mail);
+    bool large = output->job->large && !output->job->live;
+    bool fast = output->track || (quick && !large && !radar);
+    push(pool, fast ? &lane->fast : &lane->slow, &output->mail);
 }
 
 void pel_encoder_pool_push_track(struct pel_encoder_pool *pool,
-                                 struct pel_track *track)
+                                 struct pel_track *track, bool low)
 {
     track->mail.kind = PEL_MAIL_TRACK;
-    push(pool, &pool->fast, &track->mail);
+    push(pool, &lane_of(pool, low)->fast, &track->mail);
 }
 
 const atomic_bool *pel_encoder_pool_cancel(const struct pel_encoder_pool *pool)
@@ -476,5 +508,5 @@ const atomic_bool *pel_encoder_pool_cancel(const struct pel_encoder_pool *pool)
 void pel_encoder_pool_push_optics(struct pel_encoder_pool *pool,
                                   struct pel_optics_query *query)
 {
-    push(pool, &pool->slow, &query->mail);
+    push(pool, &pool->lanes[LANE_FRONT].slow, &query->mail);
 }

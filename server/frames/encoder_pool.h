@@ -1,5 +1,6 @@
 /* The encoder threads: pictures to bytes. Live pictures go first; slow work
- * (PNG, EXR, large pictures, numbers of light) leaves one thread to them. */
+ * (PNG, EXR, large pictures, numbers of light) leaves one thread to them, and
+ * live pictures of low ranks have threads of their own, of lower priority. */
 #pragma once
 
 #include "frames/job.h"
@@ -20,9 +21,10 @@ bool pel_encoder_pool_stop(struct pel_encoder_pool *pool);
 void pel_encoder_pool_destroy(
     struct pel_encoder_pool *pool); /* after stop; NULL allowed */
 
-/* Ends a stream's encoder off the control thread; takes its reference. */
+/* Ends a stream's encoder off the control thread; takes its reference. low: as
+ * its last pictures. */
 void pel_encoder_pool_push_track(struct pel_encoder_pool *pool,
-                                 struct pel_track *track);
+                                 struct pel_track *track, bool low);
 /* What tells a long encoding to give up. */
 const atomic_bool *pel_encoder_pool_cancel(const struct pel_encoder_pool *pool);
 

@@ -96,6 +96,7 @@ enum pel_err pel_frames_create(const struct pel_frames_options *o,
     frames->scene = scene;
     frames->max_fps = pel_clamp(o->max_fps, 1, 240);
     pel_present_begin(&frames->present);
+    pel_lanes_begin(&frames->lanes);
     frames->video_encoder = o->video_encoder;
     enum pel_err err = pel_encoder_pool_create(
         encoder_threads(o->encoder_threads), &frames->box, picture_released,

@@ -141,6 +141,12 @@ pel_frames_request_set(struct pel_frames *frames,
                        pel_frame_set_callback done, void *user, uint64_t *id,
                        struct pel_fault *fault);
 
+/* Says who has asked for a picture or a set: while an instructor or helmsman
+ * watches a live view, pictures of lower ranks are encoded behind his. An id
+ * that is unknown or finished is ignored. */
+void pel_frames_rank(struct pel_frames *frames, uint64_t id,
+                     enum pel_rank rank);
+
 /* Cancels a request or a set: its callback is not called any more, and a
  * picture that no client waits for is neither drawn nor encoded further. An id
  * that is unknown or finished is ignored. */
@@ -301,6 +307,7 @@ struct pel_frames_stats {
     uint64_t frames_drawn, views_drawn, frames_skipped;
     uint64_t pictures_encoded, encoded_bytes, requests_refused;
     uint64_t large_drawn;      /* frames that were drawn in bands */
+    uint64_t behind_drawn;     /* live pictures behind those of higher ranks */
     uint64_t losses;           /* of the device */
     uint64_t views_again;      /* drawn again for that */
     double loss_worst_ms;      /* until a renderer stood again */

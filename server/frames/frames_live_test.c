@@ -193,6 +193,56 @@ static void streams_are_shared_out(void **state)
     drop(&above);
 }
 
+/* Sixteen kinds of live views of who may watch, each as large as what is drawn
+ * at once: while each has its first picture, an instructor has many. With one
+ * job for all he had as many as they. */
+static void low_ranks_are_behind(void **state)
+{
+    (void)state;
+    enum { KINDS = 16 };
+    struct pel_subscription *front, *low[KINDS];
+    struct answer above = { 0 }, below[KINDS] = { { 0 } };
+    const struct pel_profile high = { .quality = 80 };
+    pel_frames_set_quality(frames, 1);
+    assert_int_equal(
+        pel_frames_open(frames, "test", &high, take, &above, &front, NULL),
+        PEL_OK);
+    run_until(&above.frame_count, 3);
+    int before = above.frame_count;
+    for (int i = 0; i < KINDS; i++) {
+        const struct pel_profile profile = {
+            .quality = 80,
+            .width = 256,
+            .height = 256 + 2 * (unsigned)i,
+            .who = { PEL_RANK_WATCH, 1 },
+        };
+        assert_int_equal(pel_frames_open(frames, "test", &profile, take,
+                                         &below[i], &low[i], NULL),
+                         PEL_OK);
+    }
+    for (int i = 0; i < KINDS; i++) {
+        run_until(&below[i].frame_count, 1);
+    }
+    assert_true(above.frame_count - before >= 6);
+    for (int i = 0; i < KINDS; i++) { /* and all go on */
+        run_until(&below[i].frame_count, 3);
+        assert_int_equal(below[i].frame->height, 256 + 2 * i);
+        assert_true(below[i].numbers[0] < below[i].numbers[1]);
+        assert_true(below[i].numbers[1] < below[i].numbers[2]);
+    }
+    /* Alone they are as any other. */
+    pel_frames_unsubscribe(front);
+    int most = below[0].frame_count;
+    run_until(&below[0].frame_count, most + 2);
+    for (int i = 0; i < KINDS; i++) {
+        pel_frames_unsubscribe(low[i]);
+        drop(&below[i]);
+    }
+    pel_frames_set_quality(frames, 0);
+    run_for(100);
+    drop(&above);
+}
+
 /* One says the size that the view has, the other none: one picture, and each
  * gets it, while time goes on. */
 static void the_same_picture_goes_to_both(void **state)
@@ -219,6 +269,48 @@ static void the_same_picture_goes_to_both(void **state)
     set_clock(PELAGOS__CLOCK_MODE__STEPPED, 10);
     drop(&one);
     drop(&other);
+}
+
+/* Who opens a live view and leaves at once has cost no picture. */
+static void who_leaves_has_cost_nothing(void **state)
+{
+    (void)state;
+    struct pel_subscription *front, *low;
+    struct answer above = { 0 }, below = { 0 };
+    const struct pel_profile high = { .quality = 80 };
+    struct pel_frames_stats first, last;
+    assert_int_equal(
+        pel_frames_open(frames, "test", &high, take, &above, &front, NULL),
+        PEL_OK);
+    run_until(&above.frame_count, 3);
+    pel_frames_get_stats(frames, &first);
+    int64_t begun_ns = pel_now_ns();
+    unsigned opened = 0;
+    while (pel_now_ns() - begun_ns < 1000000000LL) {
+        const struct pel_profile profile = {
+            .codec = PEL_CODEC_H264,
+            .width = 64 + 16 * (opened++ % 64),
+            .height = 64,
+            .who = { PEL_RANK_WATCH, 1 },
+        };
+        int64_t opened_ns = pel_now_ns();
+        assert_int_equal(
+            pel_frames_open(frames, "test", &profile, take, &below, &low, NULL),
+            PEL_OK);
+        while (pel_now_ns() - opened_ns < 40000000) {
+            g_main_context_iteration(NULL, FALSE);
+        }
+        pel_frames_unsubscribe(low);
+        pel_frames_get_stats(frames, &last);
+        if (pel_now_ns() - opened_ns < 90000000) { /* else it has stayed */
+            assert_int_equal(last.behind_drawn, first.behind_drawn);
+        }
+        first = last;
+    }
+    pel_frames_unsubscribe(front);
+    run_for(100);
+    drop(&above);
+    drop(&below);
 }
 
 static void subscriptions_are_bounded(void **state)
@@ -322,7 +414,9 @@ int main(void)
         cmocka_unit_test(size_changes_while_watched),
         cmocka_unit_test(subscribers_may_leave_in_their_callback),
         cmocka_unit_test(streams_are_shared_out),
+        cmocka_unit_test(low_ranks_are_behind),
         cmocka_unit_test(the_same_picture_goes_to_both),
+        cmocka_unit_test(who_leaves_has_cost_nothing),
         cmocka_unit_test(subscriptions_are_bounded),
         cmocka_unit_test(live_views_have_a_budget),
     };

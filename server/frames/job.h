@@ -63,6 +63,7 @@ struct pel_output {
     struct pel_track *track; /* H.264 by this one, else NULL */
     unsigned kbps;
     bool want_key;
+    bool low;           /* encoded behind the others: of a low rank */
     atomic_bool cancel; /* no client waits for it any more */
     bool done;          /* control thread */
     bool delivered;     /* control thread */

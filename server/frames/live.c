@@ -64,6 +64,7 @@ static struct pel_stream *make_stream(struct pel_frames *frames,
             return NULL;
         }
     }
+    stream->opened_ns = pel_now_ns();
     stream->serial = ++frames->last_serial;
     return stream;
 }
@@ -71,7 +72,7 @@ static struct pel_stream *make_stream(struct pel_frames *frames,
 static void end_stream(struct pel_frames *frames, struct pel_stream *stream)
 {
     if (stream->track) {
-        pel_encoder_pool_push_track(frames->pool, stream->track);
+        pel_encoder_pool_push_track(frames->pool, stream->track, stream->low);
     }
     *stream = (struct pel_stream){ 0 };
 }
@@ -175,8 +176,8 @@ uint64_t pel_live_pixels(const struct pel_snapshot *s, const char *view,
 }
 
 /* A stream counts in the share of the highest who watches it. */
-static void find_owners(const struct pel_frames *frames,
-                        struct pel_who owners[PEL_MAX_STREAMS])
+void pel_live_owners(const struct pel_frames *frames,
+                     struct pel_who owners[PEL_MAX_STREAMS])
 {
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {
         owners[i] = (struct pel_who){ PEL_RANK_NOBODY, 0 };
@@ -202,7 +203,7 @@ static void add_up(struct pel_frames *frames, const struct pel_who *asker,
     struct pel_who owners[PEL_MAX_STREAMS];
     const struct pel_snapshot *s = pel_shown_snapshot(frames);
     *out = (struct budget){ .streams = { { 0 }, 0 } };
-    find_owners(frames, owners);
+    pel_live_owners(frames, owners);
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {
         const struct pel_stream *stream = &frames->streams[i];
         if (stream->serial && stream != instead) {
@@ -234,7 +235,7 @@ static bool make_room(struct pel_frames *frames, const struct pel_who *asker,
     struct pel_who owners[PEL_MAX_STREAMS];
     const struct pel_stream *last = NULL;
     enum pel_rank lowest = asker->rank;
-    find_owners(frames, owners);
+    pel_live_owners(frames, owners);
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {
         const struct pel_stream *stream = &frames->streams[i];
         if (stream->serial && stream != instead && stream->subscribers > 0 &&
@@ -519,7 +520,7 @@ void pel_frames_unsubscribe(struct pel_subscription *subscription)
 
 /* --- frames -------------------------------------------------------------- */
 
-static unsigned under_way(const struct pel_frames *frames, uint32_t serial)
+unsigned pel_live_under_way(const struct pel_frames *frames, uint32_t serial)
 {
     unsigned count = 0;
     for (int i = 0; i < frames->job_count; i++) {
@@ -550,7 +551,8 @@ bool pel_live_output(struct pel_frames *frames, struct pel_stream *stream,
 {
     *want = (struct pel_output){ .format = PELAGOS__FRAME_FORMAT__JPEG,
                                  .quality = stream->profile.quality,
-                                 .stream = stream->serial };
+                                 .stream = stream->serial,
+                                 .low = stream->low };
     if (stream->paused == stream->subscribers) {
         return false;
     }
@@ -561,7 +563,7 @@ bool pel_live_output(struct pel_frames *frames, struct pel_stream *stream,
     want->track = stream->track;
     want->kbps = stream->profile.kbps;
     want->want_key = due;
-    return under_way(frames, stream->serial) < MAX_UNDER_WAY &&
+    return pel_live_under_way(frames, stream->serial) < MAX_UNDER_WAY &&
            (due || !all_await_key(frames, stream));
 }
 

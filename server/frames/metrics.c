@@ -124,6 +124,9 @@ void pel_frames_collect(void *user, struct pel_metrics_page *page)
           s.subscriptions);
     counter(page, "pelagos_frames_large_total",
             "Frames drawn in bands between the others'.", s.large_drawn);
+    counter(page, "pelagos_frames_behind_total",
+            "Live pictures drawn behind those of higher roles.",
+            s.behind_drawn);
     counter(page, "pelagos_device_losses_total",
             "Times that the graphics device was lost and a renderer made anew.",
             s.losses);

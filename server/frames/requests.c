@@ -247,6 +247,21 @@ enum pel_err pel_frames_request(struct pel_frames *frames,
     return PEL_OK;
 }
 
+void pel_frames_rank(struct pel_frames *frames, uint64_t id, enum pel_rank rank)
+{
+    const struct pel_frame_request *first = NULL;
+    for (int i = 0; i < PEL_MAX_REQUESTS && !first; i++) {
+        const struct pel_frame_request *r = &frames->requests[i];
+        first = r->used && r->id == id ? r : NULL;
+    }
+    for (int i = 0; first && i < PEL_MAX_REQUESTS; i++) {
+        struct pel_frame_request *r = &frames->requests[i];
+        if (r == first || (r->used && first->set && r->set == first->set)) {
+            r->rank = rank;
+        }
+    }
+}
+
 /* Work for an output that nobody waits for any more is left. */
 static void let_go(struct pel_frames *frames, struct pel_output *output)
 {

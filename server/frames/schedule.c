@@ -267,10 +267,10 @@ static struct pel_output *add_output(struct pel_job *job,
 {
     for (size_t i = 0; i < job->output_count; i++) {
         /* One output feeds one stream, and requests of the same number. */
-        bool numbered_alike =
-            job->outputs[i].stream == want->stream ||
-            (job->number == job->moment && want->stream == 0);
+        bool numbered_alike = job->outputs[i].stream == want->stream ||
+                              (job->number == job->moment && want->stream == 0);
         if (numbered_alike && same_output(&job->outputs[i], want)) {
+            job->outputs[i].low = job->outputs[i].low && want->low;
             return &job->outputs[i];
         }
     }
@@ -306,7 +306,8 @@ static void expect_streams(struct pel_frames *frames, struct pel_job *job)
     uint64_t pixels = 0;
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {
         const struct pel_stream *s = &frames->streams[i];
-        int view = s->serial && s->paused < s->subscribers
+        int view = s->serial && s->paused < s->subscribers &&
+                           s->lane != PEL_LANE_BEHIND
                        ? pel_snapshot_find_view(job->snapshot, s->view)
                        : -1;
         if (view < 0) {
@@ -334,18 +335,46 @@ static void expect_streams(struct pel_frames *frames, struct pel_job *job)
     }
 }
 
+/* False: it is not drawn now. */
+static bool add_stream(struct pel_frames *frames, struct pel_job *job,
+                       struct pel_stream *stream)
+{
+    struct pel_output want = { 0 };
+    int view = pel_snapshot_find_view(job->snapshot, stream->view);
+    if (view < 0 || !pel_live_output(frames, stream, &want) ||
+        !add_draw(job, (size_t)view, stream->profile.width,
+                  stream->profile.height, true, PEL_LAYER_COLOR, &want.draw)) {
+        return false;
+    }
+    if (want.track && want.kbps == 0) {
+        const struct pel_job_draw *part = &job->parts[want.draw];
+        want.kbps = pel_video_kbps(part->width, part->height);
+    }
+    if (!add_output(job, &want)) {
+        return false;
+    }
+    if (want.track) {
+        pel_track_ref(want.track);
+        pel_live_began(stream, want.want_key);
+    }
+    return true;
+}
+
+/* Those in front, and beside them. */
 static void add_streams(struct pel_frames *frames, struct pel_job *job)
 {
     static struct pel_log_limit limit;
     uint64_t pixels = 0;
+    pel_lanes_sort(frames);
+    bool full = pel_lanes_full(frames);
     expect_streams(frames, job);
     for (int i = 0; i < PEL_MAX_STREAMS; i++) {
         struct pel_stream *stream = &frames->streams[i];
-        struct pel_output want = { 0 };
+        if (!stream->serial) {
+            continue;
+        }
         uint64_t more =
-            stream->serial
-                ? pel_live_pixels(job->snapshot, stream->view, &stream->profile)
-                : 0;
+            pel_live_pixels(job->snapshot, stream->view, &stream->profile);
         if (pixels + more > PEL_LIVE_PIXELS) {
             /* They fitted when they were opened: views have grown since. */
             frames->stats.streams_left_out++;
@@ -356,22 +385,9 @@ static void add_streams(struct pel_frames *frames, struct pel_job *job)
             continue;
         }
         pixels += more;
-        int view = stream->serial
-                       ? pel_snapshot_find_view(job->snapshot, stream->view)
-                       : -1;
-        if (view < 0 || !pel_live_output(frames, stream, &want)) {
-            continue;
-        }
-        bool added =
-            add_draw(job, (size_t)view, stream->profile.width,
-                     stream->profile.height, true, PEL_LAYER_COLOR, &want.draw);
-        if (added && want.track && want.kbps == 0) {
-            const struct pel_job_draw *part = &job->parts[want.draw];
-            want.kbps = pel_video_kbps(part->width, part->height);
-        }
-        if (added && add_output(job, &want) && want.track) {
-            pel_track_ref(want.track);
-            pel_live_began(stream, want.want_key);
+        if (stream->lane == PEL_LANE_FRONT ||
+            (stream->lane == PEL_LANE_BESIDE && !full)) {
+            add_stream(frames, job, stream);
         }
     }
 }
@@ -392,6 +408,8 @@ static bool add_request(struct pel_frames *frames, struct pel_job *job,
     struct pel_output want = { .format = r->format,
                                .quality = r->quality,
                                .float_samples = r->float_samples,
+                               .low = r->rank >= PEL_RANK_WATCH &&
+                                      is_live(frames) && frames->lanes.high,
                                .layers = layers };
     if (!add_draw(job, (size_t)view, r->width, r->height, false, layers,
                   &want.draw)) {
@@ -488,6 +506,33 @@ static void step_paced(struct pel_frames *frames)
     pel_snapshot_unref(s);
 }
 
+static bool has_room_for_large(struct pel_frames *frames);
+
+/* Some streams of low ranks, of the frame that has just begun (0: none has). */
+static void draw_behind(struct pel_frames *frames, double time_s,
+                        uint64_t number)
+{
+    uint64_t pixels = 0, turn = frames->job_order + 1;
+    if (!pel_lanes_next(frames, turn) || pel_lanes_full(frames) ||
+        !has_room_for_large(frames)) {
+        return;
+    }
+    struct pel_job *job = begin_job(frames, time_s, true);
+    job->large = true;
+    job->number = number ? number : job->number;
+    for (struct pel_stream *s; (s = pel_lanes_next(frames, turn));) {
+        uint64_t more = pel_live_pixels(job->snapshot, s->view, &s->profile);
+        more = (uint64_t)((double)more * job->scale * job->scale);
+        if (pixels > 0 && pixels + more > pel_fair_band(frames)) {
+            break;
+        }
+        s->turn = turn;
+        pixels += add_stream(frames, job, s) ? more : 0;
+    }
+    frames->stats.behind_drawn += job->output_count;
+    launch(frames, job);
+}
+
 /* One frame of every stream and the requests that wait for it. */
 static void draw_live(struct pel_frames *frames)
 {
@@ -495,11 +540,14 @@ static void draw_live(struct pel_frames *frames)
         frames->stats.frames_skipped++;
         return;
     }
-    struct pel_job *job = begin_job(frames, pel_shown_time(frames), true);
+    double time_s = pel_shown_time(frames);
+    struct pel_job *job = begin_job(frames, time_s, true);
     add_streams(frames, job);
     frames->live_pixels = pel_fair_job_pixels(job);
     add_requests(frames, job, false);
+    uint64_t number = job->draw_count > 0 ? job->number : 0;
     launch(frames, job);
+    draw_behind(frames, time_s, number);
 }
 
 void pel_schedule_shown(struct pel_frames *frames)
@@ -706,6 +754,9 @@ static void feed_quality(struct pel_frames *frames, const struct pel_job *job)
         alone = alone && part->live && part->err == PEL_OK;
     }
     frames->last_drawn_ns = job->drawn_ns;
+    if (job->live && !job->large) {
+        pel_lanes_feed(&frames->lanes, busy_ms, period_ms, job->drawn_ns);
+    }
     alone = alone && frames->drawing_large == 0;
     if (alone && pel_quality_feed(&frames->quality, job->scale, pixels, busy_ms,
                                   period_ms, job->drawn_ns)) {
@@ -789,7 +840,7 @@ void pel_schedule_output(struct pel_frames *frames, struct pel_output *output)
         frames->stats.pictures_encoded++;
         frames->stats.encoded_bytes += output->frame->size;
         bool video = output->frame->codec != PEL_CODEC_PICTURE;
-        if (output->stream) {
+        if (output->stream && !output->low) {
             pel_present_feed(&frames->present,
                              (double)(output->frame->encoded_ns -
                                       output->frame->requested_ns) *

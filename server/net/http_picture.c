@@ -101,6 +101,7 @@ static enum MHD_Result await(struct client *client, enum pel_err err,
     }
     if (client->waiting) {
         client->frame_id = id;
+        pel_frames_rank(pel_http_frames(client), id, client->who.rank);
         pel_http_suspend(client);
     }
     return MHD_YES;

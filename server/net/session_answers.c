@@ -412,6 +412,9 @@ enum pel_err pel_session_start(struct session *self,
     g_ptr_array_add(self->jobs, job);
     enum pel_err err = claim(job, request, fault);
     err = err ? err : ask(job, request, fault);
+    if (err == PEL_OK && job->picture_id) {
+        pel_frames_rank(frames_of(job), job->picture_id, self->who.rank);
+    }
     if (err != PEL_OK) {
         g_ptr_array_remove_fast(self->jobs, job);
         pel_claim_give(&job->claim);
