@@ -16,10 +16,12 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/trial.h"
+#include "base/watch.h"
 #include "net/fdsource.h"
 
 #define BACKLOG 512
 #define ACCEPTS_A_TURN 16 /* then those that came are heard */
+#define MOST_A_TURN_NS 300000
 #define STARVED_PAUSE_NS 20000000
 
 struct pel_listener {
@@ -115,6 +117,9 @@ static void on_ready(void *user, GIOCondition ready)
         }
         if (!self->accept(self->user, fd, (struct sockaddr *)&address, size)) {
             close(fd);
+        }
+        if (pel_watch_spent_ns() > MOST_A_TURN_NS) {
+            return; /* the rest in the next turn: the source is ready still */
         }
     }
 }
