@@ -5,6 +5,7 @@ import concurrent.futures
 import contextlib
 import os
 import socket
+import ssl
 import sys
 import tempfile
 import threading
@@ -18,6 +19,7 @@ from ais_test import sentences
 from live_client import Closed, Live
 from pelagos_daemon import (ROOT, Daemon, Session, free_port, receive_all,
                             schema, until, varint)
+from security_test import TOKEN, client_hello, make_certificate, write
 from whep_offer import OFFER
 
 sys.path.insert(0, os.path.join(ROOT, "proto"))
@@ -583,6 +585,35 @@ class Strangers(unittest.TestCase):
             self.connect(self.port)
 
 
+class Handshakes(unittest.TestCase):
+    rises, counted = Case.rises, Case.counted
+
+    def test_RTSP_HANDSHAKES(self):
+        """As many as there may be stop in the middle; one more is served."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        cert, key = make_certificate(folder.name)
+        port = free_port()
+        self.daemon = Daemon("--token-file", write(
+            os.path.join(folder.name, "tokens"), TOKEN),
+            "--tls-cert", cert, "--tls-key", key,
+            "--rtsp", f"127.0.0.1:{port}")
+        self.addCleanup(self.daemon.stop)
+        self.daemon.token = TOKEN
+        begin = client_hello()[:100]
+        with self.rises("RTSP_HANDSHAKES") as most:
+            for _ in range(most + 1):
+                s = socket.create_connection(("127.0.0.1", port), 60)
+                self.addCleanup(s.close)
+                s.sendall(begin)
+        trust = ssl.create_default_context(cafile=cert)
+        with trust.wrap_socket(
+                socket.create_connection(("127.0.0.1", port), 60),
+                server_hostname="localhost") as s:
+            s.sendall(b"OPTIONS * RTSP/1.0\r\nCSeq: 1\r\n\r\n")
+            self.assertIn(b"RTSP/1.0 200", s.recv(64))
+
+
 class Rtsp(Case):
     port = None
 
@@ -762,7 +793,7 @@ class Bridges(Case):
 class Table(unittest.TestCase):
     def test_every_row_has_a_test(self):
         tests = {name[5:] for case in (Requests, Work, Places, Whep, Rtsp, Times,
-                                       Strangers,
+                                       Strangers, Handshakes,
                                        Cluster, Bridges) for name in dir(case)
                  if name.startswith("test_")}
         self.assertEqual(set(ROWS) - tests, set())

@@ -118,11 +118,20 @@ class Attacks(Case):
     def test_mjpeg(self):
         self.attacked(attacks.mjpeg, "pelagos_mjpeg_viewers", 36)
 
+    def test_kinds_of_video(self):
+        self.attacked(attacks.ts_kinds, "pelagos_ts_viewers", 36)
+
+    def test_websockets(self):
+        self.attacked(attacks.websockets, "pelagos_live_viewers", 36)
+
     def test_sessions(self):
         self.attacked(attacks.sessions, 'pelagos_sessions{input="tcp"}', 36)
 
     def test_rtsp(self):
         self.attacked(attacks.rtsp, "pelagos_rtsp_streams", 30)
+
+    def test_teardown(self):
+        self.attacked(attacks.teardown, "pelagos_rtsp_accepted_total", 100)
 
     def test_idle(self):
         self.attacked(attacks.idle, "pelagos_http_connections", 100)
@@ -308,6 +317,27 @@ class Rtsp(Case):
         self.assertEqual(self.ask(others[0], TOKENS["watch"]), 503)
         self.assertNotEqual(self.ask(late, OTHER), 503)
         self.assertEqual(self.ask(others[0], OTHER), 503)
+
+
+    def test_strangers_close_no_instructor(self):
+        """Who gave a token has a place, whatever he asked; those who say
+        nothing make room for each other."""
+        s = self.connect()
+        question = (f"OPTIONS rtsp://127.0.0.1:{self.rtsp_port}/wing "
+                    "RTSP/1.0\r\nCSeq: 1\r\nAuthorization: Bearer "
+                    f"{TOKENS['instruct']}\r\n\r\n").encode()
+        s.sendall(question)
+        self.assertIn(b" 200 ", s.recv(4096))
+        name = 'pelagos_timeouts_total{input="rtsp"}'
+        before = self.metric(name)
+        strangers = []
+
+        def crowd():
+            strangers.extend(self.connect() for _ in range(16))
+            return self.metric(name) - before > 64
+        until("64 had to make room", crowd)
+        s.sendall(question)
+        self.assertIn(b" 200 ", s.recv(4096))
 
 
 class Soundings(Case):

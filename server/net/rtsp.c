@@ -15,6 +15,7 @@
 #include "encode/gst.h"
 #include "net/listener.h"
 #include "net/rtspauth.h"
+#include "net/rtspgate.h"
 #include "net/rtspguard.h"
 #include "net/rtspstream.h"
 
@@ -22,7 +23,8 @@
 #define MAX_STRANGERS PEL_BOUND_RTSP_STRANGERS
 #define MOST_CLIENTS (MAX_CLIENTS + MAX_STRANGERS)
 #define MAX_SESSIONS MOST_CLIENTS
-#define THREADS 8      /* setting up and tearing down takes time */
+#define THREADS (-1) /* one a client: each waits for its own media only */
+#define MAX_SHAKING PEL_BOUND_RTSP_HANDSHAKES
 #define MAX_WAITING 32 /* clients, while GStreamer starts */
 #define CLEAN_S 2
 #define LEAVE_MS 2000 /* for the threads of clients when the server ends */
@@ -58,6 +60,7 @@ struct visit {
     _Atomic int64_t since_ns; /* it does nothing; INT64_MAX: it was sent away */
     atomic_bool known;        /* it has a place: who it is is known */
     atomic_bool played;       /* once at least */
+    bool at_work;             /* it has passed the gate; its thread's */
     GPtrArray *sessions;      /* its thread's */
     /* The lock of the places protects these: */
     struct pel_who who;
@@ -96,6 +99,7 @@ struct pel_rtsp {
     guint cleaner;
     pthread_mutex_t lock;
     GPtrArray *places; /* of struct visit: those that are known */
+    struct pel_rtsp_gate gate;
     atomic_uint clients;
     atomic_uint crowded; /* refused: their share is taken */
     uint64_t accepted, refused, timeouts;
@@ -167,15 +171,29 @@ static void free_visit(gpointer pointer)
     g_free(visit);
 }
 
-/* Before a description is made or a stream is set up, of one who may ask. */
+/* An answer goes out, whatever it is. */
+static void on_answered(GstRTSPClient *client, GstRTSPContext *context,
+                        gpointer message, gpointer user)
+{
+    (void)context;
+    (void)message;
+    struct pel_rtsp *rtsp = user;
+    pel_rtsp_gate_leave(&rtsp->gate, &visit_of(client)->at_work);
+}
+
+/* Before a description is made, a stream is set up or torn down, of one who may
+ * ask. */
 static GstRTSPStatusCode on_asked(GstRTSPClient *client,
                                   GstRTSPContext *context, gpointer user)
 {
     (void)context;
-    (void)user;
+    struct pel_rtsp *rtsp = user;
     struct visit *visit = visit_of(client);
     if (atomic_load(&visit->since_ns) != INT64_MAX) {
         atomic_store(&visit->since_ns, pel_now_ns() + BUSY_NS);
+    }
+    if (visit->who.rank >= PEL_RANK_WATCH) {
+        pel_rtsp_gate_pass(&rtsp->gate, &visit->since_ns, &visit->at_work);
     }
     return GST_RTSP_STS_OK;
 }
@@ -213,6 +231,7 @@ static void on_closed(GstRTSPClient *client, gpointer user)
     struct pel_rtsp *rtsp = user;
     struct visit *visit = visit_of(client);
     GPtrArray *sessions = visit->sessions;
+    pel_rtsp_gate_leave(&rtsp->gate, &visit->at_work);
     pthread_mutex_lock(&rtsp->lock);
     g_ptr_array_remove_fast(rtsp->places, visit);
     g_clear_object(&visit->socket);
@@ -320,8 +339,11 @@ static void on_connected(GstRTSPServer *server, GstRTSPClient *client,
     visit->sessions = g_ptr_array_new_with_free_func(g_object_unref);
     g_object_set_data_full(G_OBJECT(client), VISIT_KEY, visit, free_visit);
     g_signal_connect(client, "pre-describe-request", G_CALLBACK(on_asked),
-                     NULL);
-    g_signal_connect(client, "pre-setup-request", G_CALLBACK(on_setup), NULL);
+                     user);
+    g_signal_connect(client, "pre-setup-request", G_CALLBACK(on_setup), user);
+    g_signal_connect(client, "pre-teardown-request", G_CALLBACK(on_asked),
+                     user);
+    g_signal_connect(client, "send-message", G_CALLBACK(on_answered), user);
     g_signal_connect(client, "new-session", G_CALLBACK(on_session), NULL);
     g_signal_connect(client, "play-request", G_CALLBACK(on_play), NULL);
     g_signal_connect(client, "closed", G_CALLBACK(on_closed), user);
@@ -382,11 +404,33 @@ void pel_rtsp_changed(struct pel_rtsp *rtsp)
 /* --- clients that do nothing ---------------------------------------------- */
 
 struct loiterers {
+    struct pel_rtsp *rtsp;
     int64_t now_ns, patience_ns;
     bool stranger;         /* only those that are not known */
     GstRTSPClient *oldest; /* of those beyond patience; a reference */
     int64_t oldest_ns;
+    bool spoke; /* it has: what it said was not read yet */
 };
+
+/* Whether a stranger has said something that nobody has read yet, a busy
+ * machine perhaps: those who are silent go first, and those who gave the token
+ * of one who may steer or instruct never. */
+static bool has_spoken(struct pel_rtsp *rtsp, const struct visit *visit,
+                       bool *spared)
+{
+    bool waits = false;
+    pthread_mutex_lock(&rtsp->lock);
+    char *value =
+        visit->socket ? pel_rtsp_guard_peek(visit->socket, &waits) : NULL;
+    pthread_mutex_unlock(&rtsp->lock);
+    struct pel_who who = { PEL_RANK_NOBODY, 0 };
+    if (value && rtsp->token) {
+        who = pel_token_authorizes(rtsp->token, value);
+    }
+    g_free(value);
+    *spared = who.rank < PEL_RANK_WATCH;
+    return waits;
+}
 
 static GstRTSPFilterResult find_loiterer(GstRTSPServer *server,
                                          GstRTSPClient *client, gpointer user)
@@ -394,8 +438,15 @@ static GstRTSPFilterResult find_loiterer(GstRTSPServer *server,
     (void)server;
     struct loiterers *found = user;
     int64_t since_ns = atomic_load(&visit_of(client)->since_ns);
-    if (since_ns > found->now_ns - found->patience_ns ||
-        (found->oldest && since_ns >= found->oldest_ns)) {
+    if (since_ns > found->now_ns - found->patience_ns) {
+        return GST_RTSP_FILTER_KEEP;
+    }
+    bool spared = false;
+    bool spoke = found->stranger && !atomic_load(&visit_of(client)->known) &&
+                 has_spoken(found->rtsp, visit_of(client), &spared);
+    if (spared || (found->oldest &&
+                   (spoke > found->spoke ||
+                    (spoke == found->spoke && since_ns >= found->oldest_ns)))) {
         return GST_RTSP_FILTER_KEEP;
     }
     GList *sessions = gst_rtsp_client_session_filter(client, NULL, NULL);
@@ -406,6 +457,7 @@ static GstRTSPFilterResult find_loiterer(GstRTSPServer *server,
         g_clear_object(&found->oldest);
         found->oldest = g_object_ref(client);
         found->oldest_ns = since_ns;
+        found->spoke = spoke;
     }
     g_list_free_full(sessions, g_object_unref);
     return GST_RTSP_FILTER_KEEP;
@@ -427,7 +479,10 @@ static void send_away(GstRTSPClient *client)
 static bool close_loiterer(struct pel_rtsp *rtsp, int64_t patience_ns,
                            bool stranger)
 {
-    struct loiterers found = { pel_now_ns(), patience_ns, stranger, NULL, 0 };
+    struct loiterers found = { .rtsp = rtsp,
+                               .now_ns = pel_now_ns(),
+                               .patience_ns = patience_ns,
+                               .stranger = stranger };
     gst_rtsp_server_client_filter(rtsp->server, find_loiterer, &found);
     if (!found.oldest) {
         return false;
@@ -566,6 +621,60 @@ static bool has_room(struct pel_rtsp *rtsp)
     return clients < MOST_CLIENTS + MAX_STRANGERS && (!many || made);
 }
 
+/* False: there is no room, and the descriptor stays the caller's. */
+static bool take_client(struct pel_rtsp *rtsp, const struct waiting *client)
+{
+    if (rtsp->state == STATE_ASLEEP) {
+        rtsp->state = pthread_create(&rtsp->starter, NULL, start, rtsp) == 0
+                          ? STATE_STARTING
+                          : STATE_ASLEEP;
+    }
+    bool room = rtsp->state == STATE_STARTING ||
+                (rtsp->state == STATE_RUNS && has_room(rtsp));
+    if (!room) {
+        rtsp->refused++;
+        return false;
+    }
+    rtsp->accepted++;
+    if (rtsp->state == STATE_STARTING) {
+        wait_for_start(rtsp, client);
+    } else {
+        hand_over(rtsp, client);
+    }
+    return true;
+}
+
+struct shaking {
+    struct pel_rtsp *rtsp;
+    struct waiting client;
+};
+
+static void on_shaken(void *user, int plain)
+{
+    struct shaking *shaking = user;
+    shaking->client.fd = plain;
+    if (plain >= 0 && !take_client(shaking->rtsp, &shaking->client)) {
+        close(plain);
+    }
+    g_free(shaking);
+}
+
+/* Who has not ended his handshake has none of the places of clients. */
+static void shake(struct pel_rtsp *rtsp, const struct waiting *client)
+{
+    if (pel_tls_shaking(rtsp->tls, on_shaken) >= MAX_SHAKING &&
+        pel_tls_make_room(rtsp->tls, on_shaken)) {
+        rtsp->timeouts++;
+    }
+    struct shaking *shaking = g_new(struct shaking, 1);
+    *shaking = (struct shaking){ rtsp, *client };
+    if (!pel_tls_serve_later(rtsp->tls, client->fd, true, HANDSHAKE_S, STALL_S,
+                             on_shaken, shaking)) {
+        rtsp->refused++;
+        g_free(shaking);
+    }
+}
+
 static bool accept_client(void *user, int fd, const struct sockaddr *address,
                           socklen_t size)
 {
@@ -582,31 +691,11 @@ static bool accept_client(void *user, int fd, const struct sockaddr *address,
         g_free(text);
     }
     g_clear_object(&from);
-    if (rtsp->state == STATE_ASLEEP) {
-        rtsp->state = pthread_create(&rtsp->starter, NULL, start, rtsp) == 0
-                          ? STATE_STARTING
-                          : STATE_ASLEEP;
-    }
-    bool room = rtsp->state == STATE_STARTING ||
-                (rtsp->state == STATE_RUNS && has_room(rtsp));
-    if (!room) {
-        rtsp->refused++;
-        return false;
-    }
     if (rtsp->tls) {
-        client.fd = pel_tls_serve(rtsp->tls, fd, true, HANDSHAKE_S, STALL_S);
-        if (client.fd < 0) {
-            rtsp->refused++;
-            return true; /* closed already */
-        }
+        shake(rtsp, &client);
+        return true;
     }
-    rtsp->accepted++;
-    if (rtsp->state == STATE_STARTING) {
-        wait_for_start(rtsp, &client);
-    } else {
-        hand_over(rtsp, &client);
-    }
-    return true;
+    return take_client(rtsp, &client);
 }
 
 /* --- life ---------------------------------------------------------------- */
@@ -624,6 +713,7 @@ enum pel_err pel_rtsp_create(const struct pel_rtsp_options *options,
         return err;
     }
     pthread_mutex_init(&rtsp->lock, NULL);
+    pel_rtsp_gate_begin(&rtsp->gate);
     rtsp->places = g_ptr_array_new();
     rtsp->token = options->token;
     rtsp->tls = options->tls;
@@ -689,6 +779,8 @@ void pel_rtsp_destroy(struct pel_rtsp *rtsp)
         return;
     }
     pel_listener_destroy(rtsp->listener);
+    while (rtsp->tls && pel_tls_make_room(rtsp->tls, on_shaken)) {
+    }
     if (rtsp->state == STATE_STARTING) {
         pthread_join(rtsp->starter, NULL);
         g_idle_remove_by_data(rtsp);
@@ -704,6 +796,7 @@ void pel_rtsp_destroy(struct pel_rtsp *rtsp)
     g_hash_table_destroy(rtsp->mounted);
     g_ptr_array_free(rtsp->places, TRUE);
     pthread_mutex_destroy(&rtsp->lock);
+    pel_rtsp_gate_end(&rtsp->gate);
     g_free(rtsp);
 }
 

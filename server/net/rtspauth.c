@@ -44,8 +44,9 @@ static gboolean check(GstRTSPAuth *auth, GstRTSPContext *at, const gchar *what)
     }
     const struct pel_who who = who_asks(self, at);
     bool known = who.rank != PEL_RANK_NOBODY;
-    if (at->method == GST_RTSP_OPTIONS ||
-        (known && self->admit(self->user, at->client, &who))) {
+    /* Who says who it is has a place, whatever it asks. */
+    bool admitted = known && self->admit(self->user, at->client, &who);
+    if (admitted || at->method == GST_RTSP_OPTIONS) {
         return TRUE;
     }
     if (strcmp(what, GST_RTSP_AUTH_CHECK_URL) == 0) {

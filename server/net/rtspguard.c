@@ -363,6 +363,25 @@ GSocket *pel_rtsp_guarded_socket(int fd)
     return socket;
 }
 
+#define PEEK_BYTES 4096
+
+char *pel_rtsp_guard_peek(GSocket *socket, bool *waits)
+{
+    static const char name[] = "\nAuthorization:";
+    char text[PEEK_BYTES + 1];
+    ssize_t n = recv(g_socket_get_fd(socket), text, PEEK_BYTES,
+                     MSG_PEEK | MSG_DONTWAIT);
+    *waits = n > 0;
+    text[n > 0 ? n : 0] = '\0';
+    const char *at = strcasestr(text, name);
+    const char *end = at ? strchr(at + 1, '\n') : NULL;
+    if (!end) {
+        return NULL;
+    }
+    at += sizeof name - 1;
+    return g_strstrip(g_strndup(at, (gsize)(end - at)));
+}
+
 void pel_rtsp_guard_end(GSocket *socket)
 {
     g_object_set_data(G_OBJECT(socket), GUARD_KEY, GINT_TO_POINTER(ENDED));

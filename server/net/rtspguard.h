@@ -48,6 +48,10 @@ GSocket *pel_rtsp_guarded_socket(int fd);
 /* Connections that broke off so, of all. Any thread. */
 uint64_t pel_rtsp_guard_broken(void);
 
+/* What has come and was not read yet has in its heads: the value of the first
+ * Authorization, g_free(), or NULL. *waits: something has come. Any thread. */
+char *pel_rtsp_guard_peek(GSocket *socket, bool *waits);
+
 /* As if the client of such a socket had left, whatever it has sent. Any thread;
  * the connection's own thread sees it with its next read. */
 void pel_rtsp_guard_end(GSocket *socket);

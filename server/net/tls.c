@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -48,6 +49,9 @@ struct pump {
     struct block in, out;         /* from the client, to the client */
     bool wants_read, wants_write; /* what OpenSSL waits for */
     int64_t handshake_end_ns, progress_ns, stall_ns;
+    pel_tls_ready ready; /* NULL: told, or nobody is */
+    void *user;
+    int ours; /* kept for it */
 };
 
 /* --- certificates --------------------------------------------------------- */
@@ -183,8 +187,21 @@ enum pel_err pel_tls_reload(struct pel_tls *tls, struct pel_fault *fault)
 
 /* --- one connection ------------------------------------------------------- */
 
+static void tell(struct pump *pump, int plain)
+{
+    pel_tls_ready ready = pump->ready;
+    if (ready) {
+        pump->ready = NULL;
+        ready(pump->user, plain);
+    }
+}
+
 static void pump_free(struct pump *pump)
 {
+    if (pump->ready) {
+        close(pump->ours);
+        tell(pump, -1);
+    }
     g_ptr_array_remove_fast(pump->tls->pumps, pump);
     pel_fdsource_destroy(pump->fd_source);
     pel_fdsource_destroy(pump->plain_source);
@@ -332,6 +349,9 @@ static void run(void *user, GIOCondition ready)
         more = take_in(pump);
         more = give_out(pump) || more;
     }
+    if (SSL_is_init_finished(pump->ssl)) {
+        tell(pump, pump->ours);
+    }
     bool client_left = pump->in.over && is_empty(&pump->in);
     bool we_left = pump->out.over && is_empty(&pump->out);
     if (we_left && SSL_is_init_finished(pump->ssl) && !pump->in.over) {
@@ -425,8 +445,8 @@ static bool pair_unix(int pair[2])
 
 /* -------------------------------------------------------------------------- */
 
-int pel_tls_serve(struct pel_tls *tls, int fd, bool inet, double handshake_s,
-                  double stall_s)
+static struct pump *serve(struct pel_tls *tls, int fd, bool inet,
+                          double handshake_s, double stall_s)
 {
     int pair[2], on = 1;
     SSL *ssl = SSL_new(tls->context);
@@ -434,7 +454,7 @@ int pel_tls_serve(struct pel_tls *tls, int fd, bool inet, double handshake_s,
         !((inet && pair_inet(pair)) || pair_unix(pair))) {
         SSL_free(ssl);
         close(fd);
-        return -1;
+        return NULL;
     }
     SSL_set_accept_state(ssl);
     setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
@@ -443,6 +463,7 @@ int pel_tls_serve(struct pel_tls *tls, int fd, bool inet, double handshake_s,
     pump->tls = tls;
     pump->ssl = ssl;
     pump->fd = fd;
+    pump->ours = pair[0];
     pump->plain = pair[1];
     pump->progress_ns = pel_now_ns();
     pump->handshake_end_ns = pump->progress_ns + (int64_t)(handshake_s * 1e9);
@@ -452,7 +473,67 @@ int pel_tls_serve(struct pel_tls *tls, int fd, bool inet, double handshake_s,
     pump->wants_read = true;
     pel_fdsource_wake_at(pump->fd_source, 0);
     g_ptr_array_add(tls->pumps, pump);
-    return pair[0];
+    return pump;
+}
+
+int pel_tls_serve(struct pel_tls *tls, int fd, bool inet, double handshake_s,
+                  double stall_s)
+{
+    const struct pump *pump = serve(tls, fd, inet, handshake_s, stall_s);
+    return pump ? pump->ours : -1;
+}
+
+/* --- those that wait for their handshake ---------------------------------- */
+
+bool pel_tls_serve_later(struct pel_tls *tls, int fd, bool inet,
+                         double handshake_s, double stall_s,
+                         pel_tls_ready ready, void *user)
+{
+    struct pump *pump = serve(tls, fd, inet, handshake_s, stall_s);
+    if (pump) {
+        pump->ready = ready;
+        pump->user = user;
+    }
+    return pump != NULL;
+}
+
+unsigned pel_tls_shaking(const struct pel_tls *tls, pel_tls_ready ready)
+{
+    unsigned count = 0;
+    for (guint i = 0; i < tls->pumps->len; i++) {
+        const struct pump *pump = g_ptr_array_index(tls->pumps, i);
+        count += pump->ready == ready;
+    }
+    return count;
+}
+
+/* Nothing has come that was not read: it is the client who is waited for. */
+static bool is_silent(const struct pump *pump)
+{
+    struct pollfd probe = { .fd = pump->fd, .events = POLLIN };
+    return poll(&probe, 1, 0) == 0;
+}
+
+bool pel_tls_make_room(struct pel_tls *tls, pel_tls_ready ready)
+{
+    struct pump *found = NULL;
+    bool silent = false;
+    for (guint i = 0; i < tls->pumps->len; i++) {
+        struct pump *pump = g_ptr_array_index(tls->pumps, i);
+        if (pump->ready != ready) {
+            continue;
+        }
+        bool its = is_silent(pump);
+        if (!found || its > silent ||
+            (its == silent && pump->progress_ns < found->progress_ns)) {
+            found = pump;
+            silent = its;
+        }
+    }
+    if (found) {
+        pump_free(found);
+    }
+    return found != NULL;
 }
 
 void pel_tls_destroy(struct pel_tls *tls)

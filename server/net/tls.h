@@ -33,3 +33,18 @@ PEL_CHECK enum pel_err pel_tls_reload(struct pel_tls *tls,
  * `stall_s` seconds. */
 int pel_tls_serve(struct pel_tls *tls, int fd, bool inet, double handshake_s,
                   double stall_s);
+
+/* Told once, in a later turn: the handshake is done and `plain` is the
+ * caller's, or (−1) the client has left, or was sent away. */
+typedef void (*pel_tls_ready)(void *user, int plain);
+
+/* The same for callers to whom a connection is nothing before its handshake is
+ * done. False: without descriptors, and `ready` is not called. */
+bool pel_tls_serve_later(struct pel_tls *tls, int fd, bool inet,
+                         double handshake_s, double stall_s,
+                         pel_tls_ready ready, void *user);
+/* How many of them are in their handshake. */
+unsigned pel_tls_shaking(const struct pel_tls *tls, pel_tls_ready ready);
+/* Sends one of them away: of those who are silent the one that came first, else
+ * of all. False: there is none. */
+bool pel_tls_make_room(struct pel_tls *tls, pel_tls_ready ready);
