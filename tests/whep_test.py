@@ -417,6 +417,42 @@ class Tokens(unittest.TestCase):
         self.assertEqual(
             daemon.request("POST", view, OFFER, foreign).status, 403)
 
+    def test_whose_session_it_is(self):
+        """Its token may end it, or one of a higher role; who may watch ends no
+        instructor's, whatever he knows."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        tokens = {role: f"{role}-token-0123456789" for role in
+                  ("watch", "instruct", "other")}
+        path = os.path.join(folder.name, "tokens")
+        with open(path, "w", encoding="ascii") as f:
+            f.writelines(f"{t} {r if r != 'other' else 'watch'}\n"
+                         for r, t in tokens.items())
+        os.chmod(path, 0o600)
+        daemon = Daemon("--token-file", path)
+        self.addCleanup(daemon.stop)
+
+        def of(role):
+            return {"Authorization": "Bearer " + tokens[role]}
+
+        def begin(role):
+            answer = daemon.request("POST", "/v1/views/main/whep", OFFER,
+                                    dict(TYPE, **of(role)))
+            self.assertEqual(answer.status, 201, answer)
+            return answer.headers["Location"]
+
+        def end(at, role):
+            return daemon.request("DELETE", at, None, of(role)).status
+        daemon.token = tokens["instruct"]
+        daemon.patch({"views": {"main": {"entity": 1, "width": 64,
+                                         "height": 64}}})
+        instructors, watched = begin("instruct"), begin("watch")
+        self.assertEqual(end(instructors, "watch"), 403)
+        self.assertEqual(end(watched, "other"), 403)
+        self.assertEqual(end(watched, "instruct"), 204)
+        self.assertEqual(end(watched, "instruct"), 404)
+        self.assertEqual(end(instructors, "instruct"), 204)
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -31,15 +31,11 @@ static enum MHD_Result end(struct client *client,
 {
     struct pel_fault fault;
     struct pel_http_answer out = { .status = 204 };
-    bool known = pel_whep_end(client->server->whep, answer->file);
+    enum pel_err err =
+        pel_whep_end(client->server->whep, answer->file, &client->who, &fault);
     pel_http_answer_finish(answer);
-    if (known) {
-        return pel_http_send(client, &out);
-    }
-    pel_fault_set(&fault, PEL_ERR_NOT_FOUND,
-                  "there is no such WebRTC session: it has ended, or never "
-                  "was");
-    return pel_http_send_fault(client, 0, &fault);
+    return err ? pel_http_send_fault(client, 0, &fault)
+               : pel_http_send(client, &out);
 }
 
 /* NULL: this machine. */

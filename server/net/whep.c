@@ -393,16 +393,26 @@ void pel_whep_revoke(struct pel_whep *whep, struct pel_token *token)
     }
 }
 
-bool pel_whep_end(struct pel_whep *whep, const char *id)
+enum pel_err pel_whep_end(struct pel_whep *whep, const char *id,
+                          const struct pel_who *who, struct pel_fault *fault)
 {
     for (guint i = 0; i < whep->sessions->len; i++) {
         struct session *s = g_ptr_array_index(whep->sessions, i);
-        if (s->answered && strcmp(s->id, id) == 0) {
-            end_session(s, PEL_ERR_BUSY, "");
-            return true;
+        const struct pel_who *its = &s->profile.who;
+        if (!s->answered || strcmp(s->id, id) != 0) {
+            continue;
         }
+        if (its->token != who->token && its->rank <= who->rank) {
+            return pel_fault_set(fault, PEL_ERR_FORBIDDEN,
+                                 "this WebRTC session is another token's: its "
+                                 "own, or one of a higher role, may end it");
+        }
+        end_session(s, PEL_ERR_BUSY, "");
+        return PEL_OK;
     }
-    return false;
+    return pel_fault_set(fault, PEL_ERR_NOT_FOUND,
+                         "there is no such WebRTC session: it has ended, or "
+                         "never was");
 }
 
 /* --- life ------------------------------------------------------------------

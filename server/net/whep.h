@@ -57,8 +57,10 @@ bool pel_whep_forget(struct pel_whep *whep, const void *user);
 /* Ends those whose token does not hold any more. */
 void pel_whep_revoke(struct pel_whep *whep, struct pel_token *token);
 
-/* False: there is no such session. */
-bool pel_whep_end(struct pel_whep *whep, const char *id);
+/* NOT_FOUND; FORBIDDEN: it is another token's, of no lower role. */
+PEL_CHECK enum pel_err pel_whep_end(struct pel_whep *whep, const char *id,
+                                    const struct pel_who *who,
+                                    struct pel_fault *fault);
 
 void pel_whep_collect(const struct pel_whep *whep,
                       struct pel_metrics_page *page);
