@@ -8,7 +8,7 @@
 #include "base/watch.h"
 #include "net/fdsource.h"
 
-#define AT_ONCE 64
+#define AT_ONCE 8    /* the others in the next turn */
 #define PROBE_MS 100 /* most answers are there by then */
 
 static void on_hangups(void *user, GIOCondition ready)
