@@ -6,6 +6,8 @@
 
 #include "base/reserve.h"
 
+#define MOST_POINTERS 96 /* fields of a message that are no numbers */
+
 static void *at(const ProtobufCMessage *message, unsigned offset)
 {
     return (char *)message + offset;
@@ -32,6 +34,12 @@ static bool is_pointer(const ProtobufCFieldDescriptor *field)
 {
     return field->type == PROTOBUF_C_TYPE_STRING ||
            field->type == PROTOBUF_C_TYPE_MESSAGE;
+}
+
+/* Whether its value is no pointer. */
+static bool is_flat(const ProtobufCFieldDescriptor *field)
+{
+    return !is_pointer(field) && field->type != PROTOBUF_C_TYPE_BYTES;
 }
 
 size_t pel_message_value_size(const ProtobufCFieldDescriptor *field)
@@ -80,53 +88,140 @@ bool pel_message_has(const ProtobufCMessage *message,
     return *(protobuf_c_boolean *)at(message, field->quantifier_offset);
 }
 
+static void free_value(const ProtobufCFieldDescriptor *field, void *member)
+{
+    if (field->type == PROTOBUF_C_TYPE_MESSAGE) {
+        protobuf_c_message_free_unpacked(*(ProtobufCMessage **)member, NULL);
+    } else if (field->type == PROTOBUF_C_TYPE_STRING) {
+        free(*(char **)member);
+    } else if (field->type == PROTOBUF_C_TYPE_BYTES) {
+        free(((ProtobufCBinaryData *)member)->data);
+    }
+}
+
+/* `to`: a value of that field, made over, or zeroes. */
 static void copy_value(const ProtobufCFieldDescriptor *field, void *to,
                        const void *from)
 {
     if (field->type == PROTOBUF_C_TYPE_MESSAGE) {
-        *(ProtobufCMessage **)to =
-            pel_message_copy(*(ProtobufCMessage *const *)from);
+        *(ProtobufCMessage **)to = pel_message_copy_onto(
+            *(ProtobufCMessage **)to, *(ProtobufCMessage *const *)from);
     } else if (field->type == PROTOBUF_C_TYPE_STRING) {
-        *(char **)to = pel_sure_strdup(*(char *const *)from);
+        const char *text = *(char *const *)from;
+        size_t size = strlen(text) + 1;
+        *(char **)to = pel_sure_realloc(*(char **)to, size);
+        memcpy(*(char **)to, text, size);
     } else if (field->type == PROTOBUF_C_TYPE_BYTES) {
         const ProtobufCBinaryData *bytes = from;
         ProtobufCBinaryData *copy = to;
         copy->len = bytes->len;
-        copy->data = pel_sure_malloc(bytes->len + 1);
+        copy->data = pel_sure_realloc(copy->data, bytes->len + 1);
         memcpy(copy->data, bytes->data, bytes->len);
     } else {
         memcpy(to, from, pel_message_value_size(field));
     }
 }
 
-/* By its fields: what protobuf-c packs of unknown ones it may not be able to
- * read again. */
-ProtobufCMessage *pel_message_copy(const ProtobufCMessage *message)
+/* The list of `to`, made over into one of `from`. */
+static void *copy_list(const ProtobufCFieldDescriptor *field,
+                       const ProtobufCMessage *to, const ProtobufCMessage *from)
+{
+    size_t size = pel_message_value_size(field);
+    size_t had = to ? *count_of(to, field) : 0, has = *count_of(from, field);
+    char *values = had > 0 ? *(char **)pel_message_member(to, field) : NULL;
+    const char *source = *(char **)pel_message_member(from, field);
+    for (size_t k = has; k < had; k++) {
+        free_value(field, values + k * size);
+    }
+    if (has == 0) {
+        free(values);
+        return NULL;
+    }
+    if (has > had) {
+        values = pel_sure_realloc(values, has * size);
+        memset(values + had * size, 0, (has - had) * size);
+    }
+    for (size_t k = 0; k < has; k++) {
+        copy_value(field, values + k * size, source + k * size);
+    }
+    return values;
+}
+
+/* The value of `to`, NULL or with or without it, made over. */
+static void copy_member(const ProtobufCFieldDescriptor *field,
+                        const ProtobufCMessage *to,
+                        const ProtobufCMessage *from, void *out)
+{
+    size_t size = pel_message_value_size(field);
+    bool had = to && pel_message_has(to, field);
+    if (had) {
+        memcpy(out, pel_message_member(to, field), size);
+    }
+    if (pel_message_has(from, field)) {
+        copy_value(field, out, pel_message_member(from, field));
+    } else {
+        if (had) {
+            free_value(field, out);
+        }
+        memcpy(out, pel_message_member(from, field), size);
+    }
+}
+
+/* The struct at once, then what its fields point to: a state has ten thousand
+ * numbers and a thousand of the others. Unknown fields are left out: what
+ * protobuf-c packs of them it may not be able to read again. */
+ProtobufCMessage *pel_message_copy_onto(ProtobufCMessage *old,
+                                        const ProtobufCMessage *message)
 {
     const ProtobufCMessageDescriptor *type = message->descriptor;
-    ProtobufCMessage *copy = pel_message_new(type);
+    struct {
+        const ProtobufCFieldDescriptor *field;
+        union {
+            void *list;
+            ProtobufCBinaryData any; /* the largest */
+        } value;
+    } kept[MOST_POINTERS];
+    size_t count = 0;
+    if (old && old->n_unknown_fields > 0) {
+        protobuf_c_message_free_unpacked(old, NULL);
+        old = NULL;
+    }
     for (unsigned i = 0; i < type->n_fields; i++) {
         const ProtobufCFieldDescriptor *field = &type->fields[i];
-        char *from = pel_message_member(message, field);
-        char *to = pel_message_member(copy, field);
-        if (!pel_message_has(message, field)) {
+        bool list = field->label == PROTOBUF_C_LABEL_REPEATED;
+        if (!list && is_flat(field)) {
             continue;
         }
-        if (field->label != PROTOBUF_C_LABEL_REPEATED) {
-            copy_value(field, to, from);
-            pel_message_mark(copy, field);
-            continue;
+        if (count == MOST_POINTERS) {
+            abort(); /* the schema has none that is so large */
         }
-        size_t count = *count_of(message, field);
-        size_t size = pel_message_value_size(field);
-        char *values = pel_sure_malloc(count * size);
-        for (size_t k = 0; k < count; k++) {
-            copy_value(field, values + k * size, *(char **)from + k * size);
+        kept[count].field = field;
+        kept[count].value.any = (ProtobufCBinaryData){ 0 };
+        if (list) {
+            kept[count].value.list = copy_list(field, old, message);
+        } else {
+            copy_member(field, old, message, &kept[count].value);
         }
-        *(char **)to = values;
-        *count_of(copy, field) = count;
+        count++;
+    }
+    ProtobufCMessage *copy = old ? old : pel_sure_malloc(type->sizeof_message);
+    memcpy(copy, message, type->sizeof_message);
+    copy->n_unknown_fields = 0;
+    copy->unknown_fields = NULL;
+    for (size_t i = 0; i < count; i++) {
+        bool list = kept[i].field->label == PROTOBUF_C_LABEL_REPEATED;
+        if (list || pel_message_has(message, kept[i].field)) {
+            memcpy(pel_message_member(copy, kept[i].field), &kept[i].value,
+                   list ? sizeof(void *)
+                        : pel_message_value_size(kept[i].field));
+        }
     }
     return copy;
+}
+
+ProtobufCMessage *pel_message_copy(const ProtobufCMessage *message)
+{
+    return pel_message_copy_onto(NULL, message);
 }
 
 bool pel_message_same(const ProtobufCMessage *a, const ProtobufCMessage *b)
@@ -162,17 +257,6 @@ void pel_message_forget_unknown(ProtobufCMessage *message)
         for (size_t k = 0; k < count; k++) {
             pel_message_forget_unknown(list[k]);
         }
-    }
-}
-
-static void free_value(const ProtobufCFieldDescriptor *field, void *member)
-{
-    if (field->type == PROTOBUF_C_TYPE_MESSAGE) {
-        protobuf_c_message_free_unpacked(*(ProtobufCMessage **)member, NULL);
-    } else if (field->type == PROTOBUF_C_TYPE_STRING) {
-        free(*(char **)member);
-    } else if (field->type == PROTOBUF_C_TYPE_BYTES) {
-        free(((ProtobufCBinaryData *)member)->data);
     }
 }
 
@@ -337,6 +421,10 @@ void pel_message_set_string(ProtobufCMessage *message,
                             const ProtobufCFieldDescriptor *field,
                             const char *text)
 {
+    const char *const *is = pel_message_member(message, field);
+    if (pel_message_has(message, field) && strcmp(*is, text) == 0) {
+        return;
+    }
     pel_message_clear(message, field);
     *(char **)pel_message_member(message, field) = pel_sure_strdup(text);
     pel_message_mark(message, field);

@@ -14,6 +14,11 @@ ProtobufCMessage *pel_message_new(const ProtobufCMessageDescriptor *type);
 /* A deep copy of what the schema knows. */
 ProtobufCMessage *pel_message_copy(const ProtobufCMessage *message);
 
+/* The same, made of `old`, a message of that type (NULL: of nothing), which
+ * is given up: where the two are much alike that allocates next to nothing. */
+ProtobufCMessage *pel_message_copy_onto(ProtobufCMessage *old,
+                                        const ProtobufCMessage *message);
+
 /* Whether both, of one type, have the same bytes on the wire. */
 bool pel_message_same(const ProtobufCMessage *a, const ProtobufCMessage *b);
 
