@@ -115,10 +115,10 @@ static enum pel_err check_message(const ProtobufCMessage *message,
 
 static enum pel_err check_field(const ProtobufCMessage *message,
                                 const ProtobufCFieldDescriptor *field,
+                                const struct pel_field *info,
                                 const struct where *where,
                                 struct pel_fault *fault)
 {
-    const struct pel_field *info = pel_field_info(message->descriptor, field);
     const void *member = pel_message_member(message, field);
     double number;
     if (field->label == PROTOBUF_C_LABEL_REPEATED) {
@@ -157,14 +157,15 @@ static enum pel_err check_message(const ProtobufCMessage *message,
                                   struct pel_fault *fault)
 {
     const ProtobufCMessageDescriptor *type = message->descriptor;
+    const struct pel_field *infos = pel_field_info(type, type->fields);
     for (unsigned i = 0; i < type->n_fields; i++) {
         const ProtobufCFieldDescriptor *field = &type->fields[i];
         if (!pel_message_has(message, field)) {
             continue;
         }
-        const struct where below = { where, pel_field_info(type, field)->name,
-                                     NULL, 0 };
-        enum pel_err err = check_field(message, field, &below, fault);
+        const struct where below = { where, infos[i].name, NULL, 0 };
+        enum pel_err err =
+            check_field(message, field, &infos[i], &below, fault);
         if (err) {
             return err;
         }

@@ -12,6 +12,7 @@
 #include "ranges.h"
 #include "scene/helm.h"
 #include "scene/lamps.h"
+#include "scene/lookup.h"
 #include "scene/presets.h"
 #include "scene/snapshot.h"
 #include "scene/sun.h"
@@ -91,6 +92,7 @@ static enum pel_err check_meter(const Pelagos__State *state,
 }
 
 static enum pel_err check_view(const Pelagos__State *state, size_t index,
+                               struct pel_lookup *entities,
                                struct pel_fault *fault)
 {
     const Pelagos__View *view = state->views[index];
@@ -100,18 +102,11 @@ static enum pel_err check_view(const Pelagos__State *state, size_t index,
                                 "needs names of 1 to 64 of A-Z a-z 0-9 _ -",
                                 fault);
     }
-    for (size_t i = 0; i < index; i++) {
-        if (strcmp(state->views[i]->name, view->name) == 0) {
-            return pel_fault_refuse(PEL_ERR_CONFLICT, "views", view->name,
-                                    "has a name twice", fault);
-        }
-    }
     if (view->has_entity) {
-        bool found = false;
-        for (size_t i = 0; i < state->n_entities; i++) {
-            found = found || state->entities[i]->id == view->entity;
-        }
-        if (!found) {
+        Pelagos__Entity like = PELAGOS__ENTITY__INIT;
+        like.has_id = true;
+        like.id = view->entity;
+        if (!pel_lookup_find(entities, &like.base)) {
             g_snprintf(path, sizeof path, "views.%s.entity", view->name);
             g_snprintf(value, sizeof value, "%u", view->entity);
             g_snprintf(what, sizeof what,
@@ -178,14 +173,6 @@ static enum pel_err check_entity(const Pelagos__State *state, size_t index,
                                 "needs the name of a model; GET /v1/models or "
                                 "pelagosctl models lists them",
                                 fault);
-    }
-    for (size_t i = 0; i < index; i++) {
-        if (state->entities[i]->id == entity->id) {
-            char value[24];
-            g_snprintf(value, sizeof value, "%u", entity->id);
-            return pel_fault_refuse(PEL_ERR_CONFLICT, "entities", value,
-                                    "has an id twice", fault);
-        }
     }
     enum pel_err err = pel_lamps_check(entity, fault);
     return !err && entity->helm ? check_helm(state, entity, fault) : err;
@@ -370,6 +357,43 @@ static enum pel_err check_fog(const Pelagos__Sky *sky, struct pel_fault *fault)
     return err;
 }
 
+static void find_by_keys(struct pel_lookup *lookup, const Pelagos__State *state,
+                         const char *list)
+{
+    pel_lookup_begin(
+        lookup, &state->base,
+        pel_field_by_name(&pelagos__state__descriptor, list, strlen(list)));
+}
+
+/* Entities, and the views that may name them. */
+static enum pel_err check_keyed(const Pelagos__State *state,
+                                struct pel_fault *fault)
+{
+    struct pel_lookup entities, views;
+    enum pel_err err = PEL_OK;
+    for (size_t i = 0; !err && i < state->n_entities; i++) {
+        err = check_entity(state, i, fault);
+    }
+    find_by_keys(&entities, state, "entities");
+    const ProtobufCMessage *twin = err ? NULL : pel_lookup_twin(&entities);
+    if (twin) {
+        char value[24];
+        g_snprintf(value, sizeof value, "%u",
+                   ((const Pelagos__Entity *)twin)->id);
+        return pel_fault_refuse(PEL_ERR_CONFLICT, "entities", value,
+                                "has an id twice", fault);
+    }
+    for (size_t i = 0; !err && i < state->n_views; i++) {
+        err = check_view(state, i, &entities, fault);
+    }
+    find_by_keys(&views, state, "views");
+    twin = err ? NULL : pel_lookup_twin(&views);
+    return twin ? pel_fault_refuse(PEL_ERR_CONFLICT, "views",
+                                   ((const Pelagos__View *)twin)->name,
+                                   "has a name twice", fault)
+                : err;
+}
+
 enum pel_err pel_state_check(const Pelagos__State *state,
                              struct pel_fault *fault)
 {
@@ -420,11 +444,8 @@ enum pel_err pel_state_check(const Pelagos__State *state,
     if (!err && state->seabed) {
         err = check_seabed(state->seabed, fault);
     }
-    for (size_t i = 0; !err && i < state->n_entities; i++) {
-        err = check_entity(state, i, fault);
-    }
-    for (size_t i = 0; !err && i < state->n_views; i++) {
-        err = check_view(state, i, fault);
+    if (!err) {
+        err = check_keyed(state, fault);
     }
     if (!err) {
         err = check_ships(state, fault);
