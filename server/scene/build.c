@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/hash.h"
 #include "base/reserve.h"
 #include "fault.h"
 #include "optics/thermal.h"
@@ -35,17 +34,14 @@ struct plane {
     double east_m, north_m, turned_rad;
     bool known;
 };
-#define PLANES 512
-static _Thread_local struct plane planes[PLANES];
+static _Thread_local struct plane planes[PEL_MAX_ENTITIES];
 
+/* Of the entity at that index. */
 static struct plane in_plane(const Pelagos__Origin *origin, double lat,
-                             double lon)
+                             double lon, size_t index)
 {
     const double of[4] = { origin->latitude, origin->longitude, lat, lon };
-    uint64_t bits[2];
-    memcpy(bits, of + 2, sizeof bits);
-    uint64_t key = pel_hash_mix(bits[0] ^ pel_hash_mix(bits[1]));
-    struct plane *kept = &planes[key % PLANES];
+    struct plane *kept = &planes[index];
     if (!kept->known || memcmp(kept->of, of, sizeof of) != 0) {
         memcpy(kept->of, of, sizeof of);
         kept->turned_rad = pel_geo_to_plane(of[0], of[1], lat, lon,
@@ -56,10 +52,11 @@ static struct plane in_plane(const Pelagos__Origin *origin, double lat,
 }
 
 static void place_entity(const Pelagos__Origin *origin,
-                         const Pelagos__Entity *from,
+                         const Pelagos__Entity *from, size_t index,
                          struct pel_entity_state *to)
 {
-    const struct plane at = in_plane(origin, from->latitude, from->longitude);
+    const struct plane at =
+        in_plane(origin, from->latitude, from->longitude, index);
     double turned = at.turned_rad;
     to->id = from->id;
     to->east_m = at.east_m;
@@ -435,11 +432,12 @@ const struct pel_snapshot *pel_snapshot_build_going(
     fill(state, &s->public);
     s->public.entities = s->entities;
     s->public.entity_count = state->n_entities;
+    size_t next = 0;
     for (size_t i = 0; i < state->n_entities; i++) {
-        place_entity(state->origin, state->entities[i], &s->entities[i]);
+        const Pelagos__Entity *e = state->entities[i];
+        place_entity(state->origin, e, i, &s->entities[i]);
         s->entities[i].model =
-            fleet ? pel_model_ref(pel_fleet_of(fleet, state->entities[i]))
-                  : NULL;
+            fleet ? pel_model_ref(pel_fleet_of(fleet, e, &next)) : NULL;
     }
     s->public.washes = pel_washes_of(state, &s->public);
     s->public.wash_moments = pel_wash_moments_of(s->public.washes);

@@ -35,14 +35,12 @@ static bool same(const Pelagos__Model *a, const Pelagos__Model *b)
            same_number(a->has_colour, a->colour, b->has_colour, b->colour);
 }
 
-/* The member that looks so; the one at `guess` before the others. */
+/* The member that looks so; from `guess` on, then from the first. */
 static const struct pel_fleet_member *
 find(const struct pel_fleet *fleet, const Pelagos__Model *wish, size_t guess)
 {
-    if (guess < fleet->count && same(fleet->members[guess].wish, wish)) {
-        return &fleet->members[guess];
-    }
-    for (size_t i = 0; i < fleet->count; i++) {
+    for (size_t k = 0; k < fleet->count; k++) {
+        size_t i = (guess + k) % fleet->count;
         if (same(fleet->members[i].wish, wish)) {
             return &fleet->members[i];
         }
@@ -228,7 +226,8 @@ static enum pel_err add(const Pelagos__Entity *entity, const char *directory,
     struct pel_fleet_member *m = &out->members[out->count];
     const struct pel_fleet_member *old =
         find(present, entity->model, out->count);
-    const struct pel_fleet_member *twin = find(out, entity->model, SIZE_MAX);
+    const struct pel_fleet_member *twin =
+        old ? NULL : find(out, entity->model, 0);
     char notes[PEL_MODEL_NOTES];
     struct pel_fault why = { 0 };
     enum pel_err err = PEL_OK;
@@ -265,6 +264,22 @@ static enum pel_err add(const Pelagos__Entity *entity, const char *directory,
     return err;
 }
 
+/* Whether each entity that has a model has the same as before. */
+static bool is_fleet_of(const struct pel_fleet *fleet,
+                        const Pelagos__State *state, size_t count)
+{
+    size_t seen = 0;
+    bool is = fleet->count == count;
+    for (size_t i = 0; i < state->n_entities && is; i++) {
+        const Pelagos__Entity *e = state->entities[i];
+        if (e->model) {
+            const struct pel_fleet_member *m = &fleet->members[seen++];
+            is = m->entity == e->id && same(m->wish, e->model);
+        }
+    }
+    return is;
+}
+
 enum pel_err pel_fleet_get(const Pelagos__State *state, const char *directory,
                            bool forgiving, const struct pel_fleet *present,
                            struct pel_fleet *out, struct pel_fault *fault)
@@ -278,7 +293,12 @@ enum pel_err pel_fleet_get(const Pelagos__State *state, const char *directory,
     if (count == 0) {
         return PEL_OK;
     }
-    out->members = g_new0(struct pel_fleet_member, count);
+    if (is_fleet_of(present, state, count)) {
+        *out = pel_fleet_ref(present);
+        return PEL_OK;
+    }
+    out->members =
+        g_atomic_rc_box_alloc0(count * sizeof(struct pel_fleet_member));
     for (size_t i = 0; i < state->n_entities && !err; i++) {
         if (state->entities[i]->model) {
             err = add(state->entities[i], directory, forgiving, present, out,
@@ -304,10 +324,13 @@ bool pel_fleet_has(const struct pel_fleet *fleet, const Pelagos__State *state)
 }
 
 const struct pel_model *pel_fleet_of(const struct pel_fleet *fleet,
-                                     const Pelagos__Entity *entity)
+                                     const Pelagos__Entity *entity,
+                                     size_t *next)
 {
-    for (size_t i = 0; entity->model && i < fleet->count; i++) {
+    for (size_t k = 0; entity->model && k < fleet->count; k++) {
+        size_t i = (*next + k) % fleet->count;
         if (fleet->members[i].entity == entity->id) {
+            *next = i + 1;
             return fleet->members[i].model;
         }
     }
@@ -316,27 +339,28 @@ const struct pel_model *pel_fleet_of(const struct pel_fleet *fleet,
 
 struct pel_fleet pel_fleet_ref(const struct pel_fleet *fleet)
 {
-    struct pel_fleet out = { .count = fleet->count };
-    out.members = g_new0(struct pel_fleet_member, fleet->count + 1);
-    for (size_t i = 0; i < fleet->count; i++) {
-        const struct pel_fleet_member *m = &fleet->members[i];
-        out.members[i] = (struct pel_fleet_member){
-            .entity = m->entity,
-            .wish = (Pelagos__Model *)pel_message_copy(&m->wish->base),
-            .model = pel_model_ref(m->model),
-        };
+    if (fleet->members) {
+        g_atomic_rc_box_acquire(fleet->members);
     }
-    return out;
+    return *fleet;
+}
+
+static void clear(gpointer data)
+{
+    struct pel_fleet_member *members = data;
+    size_t count = g_atomic_rc_box_get_size(data) / sizeof *members;
+    for (size_t i = 0; i < count; i++) {
+        pel_model_unref(members[i].model);
+        if (members[i].wish) {
+            pelagos__model__free_unpacked(members[i].wish, NULL);
+        }
+    }
 }
 
 void pel_fleet_finish(struct pel_fleet *fleet)
 {
-    for (size_t i = 0; i < fleet->count; i++) {
-        pel_model_unref(fleet->members[i].model);
-        if (fleet->members[i].wish) {
-            pelagos__model__free_unpacked(fleet->members[i].wish, NULL);
-        }
+    if (fleet->members) {
+        g_atomic_rc_box_release_full(fleet->members, clear);
     }
-    g_free(fleet->members);
     *fleet = (struct pel_fleet){ 0 };
 }

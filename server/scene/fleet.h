@@ -13,7 +13,7 @@ struct pel_fleet_member;
 /* Of each entity that has a model, in the state's order. Zeroed: none. */
 struct pel_fleet {
     size_t count;
-    struct pel_fleet_member *members;
+    struct pel_fleet_member *members; /* shared: pel_fleet_ref */
 };
 
 /* The models of a tested, complete state: those of `present` where they are the
@@ -31,10 +31,12 @@ PEL_CHECK enum pel_err pel_fleet_get(const Pelagos__State *state,
 bool pel_fleet_has(const struct pel_fleet *fleet, const Pelagos__State *state);
 
 /* The model of an entity of the state that the fleet was got for; NULL: it has
- * none. */
+ * none. *next, 0 at first, goes on with each entity in the state's order. */
 const struct pel_model *pel_fleet_of(const struct pel_fleet *fleet,
-                                     const Pelagos__Entity *entity);
+                                     const Pelagos__Entity *entity,
+                                     size_t *next);
 
+/* The same members; pel_fleet_finish() for each. */
 struct pel_fleet pel_fleet_ref(const struct pel_fleet *fleet);
 void pel_fleet_finish(struct pel_fleet *fleet);
 

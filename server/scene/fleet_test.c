@@ -18,6 +18,7 @@ static const struct pel_model *raft(double length_m)
     Pelagos__Entity entity = PELAGOS__ENTITY__INIT, *entities[] = { &entity };
     Pelagos__State state = PELAGOS__STATE__INIT;
     struct pel_fleet fleet;
+    size_t next = 0;
     wish.name = name;
     wish.has_length = true;
     wish.length = length_m;
@@ -28,7 +29,7 @@ static const struct pel_model *raft(double length_m)
     assert_int_equal(pel_fleet_get(&state, NULL, false, &none, &fleet, NULL),
                      PEL_OK);
     const struct pel_model *model =
-        pel_model_ref(pel_fleet_of(&fleet, &entity));
+        pel_model_ref(pel_fleet_of(&fleet, &entity, &next));
     pel_fleet_finish(&fleet);
     assert_non_null(model);
     return model;
