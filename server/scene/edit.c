@@ -13,6 +13,7 @@
 #include "path.h"
 #include "scene/geodesy.h"
 #include "scene/helm.h"
+#include "scene/lookup.h"
 #include "scene/presets.h"
 #include "scene/reckon.h"
 #include "scene/snapshot.h"
@@ -162,37 +163,6 @@ Pelagos__State *pel_state_default(void)
 
 static void merge(ProtobufCMessage *to, const ProtobufCMessage *from);
 
-static bool same_key(const ProtobufCFieldDescriptor *key,
-                     const ProtobufCMessage *a, const ProtobufCMessage *b)
-{
-    const void *va = pel_message_member(a, key);
-    const void *vb = pel_message_member(b, key);
-    return pel_message_has(a, key) && pel_message_has(b, key) &&
-           (key->type == PROTOBUF_C_TYPE_STRING
-                ? strcmp(*(char *const *)va, *(char *const *)vb) == 0
-                : memcmp(va, vb, pel_message_value_size(key)) == 0);
-}
-
-/* The one with that key. From *from on, and then from the list's begin: a patch
- * has its elements in the list's order as a rule, and the state may have 256.
- */
-static ProtobufCMessage *find(const ProtobufCMessage *holder,
-                              const ProtobufCFieldDescriptor *field,
-                              const ProtobufCFieldDescriptor *key,
-                              const ProtobufCMessage *like, size_t *from)
-{
-    size_t count;
-    ProtobufCMessage **list = pel_message_list(holder, field, &count);
-    for (size_t k = 0; k < count; k++) {
-        size_t i = (*from + k) % count;
-        if (same_key(key, list[i], like)) {
-            *from = i + 1;
-            return list[i];
-        }
-    }
-    return NULL;
-}
-
 static void merge_list(ProtobufCMessage *to, const ProtobufCMessage *from,
                        const ProtobufCFieldDescriptor *field)
 {
@@ -202,10 +172,13 @@ static void merge_list(ProtobufCMessage *to, const ProtobufCMessage *from,
     if (!key) {
         pel_message_clear(to, field);
     }
-    size_t next = 0;
+    struct pel_lookup there;
+    if (key) {
+        pel_lookup_begin(&there, to, field);
+    }
     for (size_t i = 0; i < count; i++) {
         ProtobufCMessage *element =
-            key ? find(to, field, key, list[i], &next) : NULL;
+            key ? pel_lookup_find(&there, list[i]) : NULL;
         merge(element ? element : pel_message_append(to, field), list[i]);
     }
 }
@@ -330,14 +303,18 @@ static bool touches_drift(const Pelagos__Entity *e)
     return e->has_leeway || e->has_mooring || e->has_afloat || e->model;
 }
 
-static Pelagos__Entity *entity_of(const Pelagos__State *state, uint32_t id)
+static void find_entities(struct pel_lookup *lookup,
+                          const Pelagos__State *state)
 {
-    for (size_t i = 0; i < state->n_entities; i++) {
-        if (state->entities[i]->has_id && state->entities[i]->id == id) {
-            return state->entities[i];
-        }
-    }
-    return NULL;
+    pel_lookup_begin(
+        lookup, &state->base,
+        pel_field_by_name(&pelagos__state__descriptor, "entities", 8));
+}
+
+static Pelagos__Entity *entity_of(struct pel_lookup *entities,
+                                  const Pelagos__Entity *like)
+{
+    return (Pelagos__Entity *)pel_lookup_find(entities, &like->base);
 }
 
 /* Before the edit: poses that it touches are brought to their new time. A NaN
@@ -346,9 +323,11 @@ static void reckon_patched(const Pelagos__State *from, Pelagos__State *state,
                            const Pelagos__State *patch, double time_s,
                            double most_s)
 {
+    struct pel_lookup entities;
+    find_entities(&entities, state);
     for (size_t i = 0; i < patch->n_entities; i++) {
         const Pelagos__Entity *with = patch->entities[i];
-        Pelagos__Entity *entity = entity_of(state, with->id);
+        Pelagos__Entity *entity = entity_of(&entities, with);
         double at = with->has_pose_time ? with->pose_time : time_s;
         if (entity && (touches_pose(with) || touches_drift(with)) &&
             isfinite(at)) {
@@ -372,8 +351,12 @@ static void reckon_removed(const Pelagos__State *from, Pelagos__State *state,
     snprintf(element, sizeof element, "%.*s.id", (int)(field - path), path);
     if (strcmp(info.info->name, "name") != 0 &&
         pel_path_get(state, element, id, sizeof id, NULL) == PEL_OK) {
-        reckon(from, entity_of(state, (uint32_t)strtoul(id, NULL, 10)), time_s,
-               most_s);
+        uint32_t number = (uint32_t)strtoul(id, NULL, 10);
+        size_t i = 0;
+        while (state->entities[i]->id != number) {
+            i++;
+        }
+        reckon(from, state->entities[i], time_s, most_s);
     }
 }
 
@@ -574,9 +557,12 @@ static void carry_drift(Pelagos__State *state, const Pelagos__Patch *patch,
  * the model is to go on from there. */
 static void lead(Pelagos__State *state, const Pelagos__State *brought)
 {
-    for (size_t i = 0; i < brought->n_entities; i++) {
+    struct pel_lookup entities;
+    find_entities(&entities, state);
+    for (size_t i = 0; i < brought->n_entities && pel_helm_any(state); i++) {
         const Pelagos__Entity *with = brought->entities[i];
-        Pelagos__OwnShip *helm = pel_helm_of(state, with->id);
+        const Pelagos__Entity *is = entity_of(&entities, with);
+        Pelagos__OwnShip *helm = is ? pel_helm_on(state, is) : NULL;
         if (helm && touches_pose(with) &&
             !says_on(brought, with, helm == state->own_ship)) {
             helm->on = false;
@@ -628,28 +614,34 @@ void pel_state_notice(const Pelagos__State *from, const Pelagos__Patch *patch,
 static void follow(const Pelagos__State *from, Pelagos__State *state,
                    const Pelagos__State *brought, double reckoning_s)
 {
+    struct pel_lookup before, after;
+    find_entities(&before, from);
+    find_entities(&after, state);
     for (size_t i = 0; i < brought->n_entities; i++) {
         const Pelagos__Entity *with = brought->entities[i];
-        const Pelagos__Entity *was = entity_of(from, with->id);
-        Pelagos__Entity *is = entity_of(state, with->id);
+        const Pelagos__Entity *was = entity_of(&before, with);
+        Pelagos__Entity *is = entity_of(&after, with);
         bool turned = with->has_wake || with->has_wash;
         if (was && is && (touches_pose(with) || turned)) {
-            struct pel_track_pose before = pel_track_pose_of(was);
-            pel_track_go_on(&before, is, reckoning_s);
+            struct pel_track_pose pose = pel_track_pose_of(was);
+            pel_track_go_on(&pose, is, reckoning_s);
         }
     }
 }
 
-enum pel_err pel_state_apply(const Pelagos__State *from,
-                             const Pelagos__Patch *patch, Pelagos__State **out,
-                             struct pel_fault *fault)
+enum pel_err pel_state_apply_onto(Pelagos__State *old,
+                                  const Pelagos__State *from,
+                                  const Pelagos__Patch *patch,
+                                  Pelagos__State **out, struct pel_fault *fault)
 {
     *out = NULL;
+    Pelagos__State *state = (Pelagos__State *)pel_message_copy_onto(
+        old ? &old->base : NULL, &from->base);
     enum pel_err err = bounded(patch, fault);
     if (err) {
+        pelagos__state__free_unpacked(state, NULL);
         return err;
     }
-    Pelagos__State *state = (Pelagos__State *)pel_message_copy(&from->base);
     /* A copy where names are to be resolved, which then stand in it as ids. */
     bool named = patch->state && !all_have_ids(patch->state);
     Pelagos__State *brought =
@@ -687,4 +679,11 @@ enum pel_err pel_state_apply(const Pelagos__State *from,
     pel_state_fill(state, time_s);
     *out = state;
     return PEL_OK;
+}
+
+enum pel_err pel_state_apply(const Pelagos__State *from,
+                             const Pelagos__Patch *patch, Pelagos__State **out,
+                             struct pel_fault *fault)
+{
+    return pel_state_apply_onto(NULL, from, patch, out, fault);
 }

@@ -20,6 +20,14 @@ PEL_CHECK enum pel_err pel_state_apply(const Pelagos__State *from,
                                        Pelagos__State **out,
                                        struct pel_fault *fault);
 
+/* The same, made of `old` (message.h), which is given up even where the patch
+ * is refused. */
+PEL_CHECK enum pel_err pel_state_apply_onto(Pelagos__State *old,
+                                            const Pelagos__State *from,
+                                            const Pelagos__Patch *patch,
+                                            Pelagos__State **out,
+                                            struct pel_fault *fault);
+
 #define PEL_NOTICE 240
 
 /* Names the part of the state that the patch switches off without saying so, in

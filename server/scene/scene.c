@@ -298,6 +298,15 @@ static void set_clock(struct pel_scene *scene, const Pelagos__Clock *to,
     }
 }
 
+void pel_scene_put_by(struct pel_scene *scene, Pelagos__State *state)
+{
+    if (scene->former && state) {
+        pelagos__state__free_unpacked(state, NULL);
+    } else if (state) {
+        scene->former = state;
+    }
+}
+
 /* Takes `state`, which is tested, over or leaves it to the caller. `patch`, of
  * time_s, is kept before it takes effect; NULL: the state is a beginning.
  * `ready` (NULL allowed): what was prepared for it. */
@@ -325,9 +334,7 @@ static enum pel_err commit(struct pel_scene *scene, Pelagos__State *state,
         next.weather.field, next.sea == scene->has.sea ? going : NULL);
     pel_resources_finish(&scene->has);
     pel_snapshot_unref(scene->snapshot);
-    if (scene->state) {
-        pelagos__state__free_unpacked(scene->state, NULL);
-    }
+    pel_scene_put_by(scene, scene->state);
     scene->has = next;
     scene->snapshot = snapshot;
     scene->state = state;
@@ -377,7 +384,10 @@ enum pel_err pel_scene_edited(struct pel_scene *scene,
         return pel_fault_set(fault, PEL_ERR_NO_MEMORY, "out of memory");
     }
     pel_scene_refresh(scene, time_s);
-    enum pel_err err = pel_state_apply(scene->state, patch, out, fault);
+    Pelagos__State *former = scene->former;
+    scene->former = NULL;
+    enum pel_err err =
+        pel_state_apply_onto(former, scene->state, patch, out, fault);
     if (err) {
         return err;
     }
@@ -390,7 +400,7 @@ enum pel_err pel_scene_edited(struct pel_scene *scene,
         err = pel_weather_lead_check(scene->state, *out, patch, fault);
     }
     if (err) {
-        pelagos__state__free_unpacked(*out, NULL);
+        pel_scene_put_by(scene, *out);
     }
     return err;
 }
@@ -454,7 +464,7 @@ enum pel_err pel_scene_try_snapshot(struct pel_scene *scene,
         *out = pel_snapshot_build(next, sea, NULL);
         pel_shared_sea_unref(sea);
     }
-    pelagos__state__free_unpacked(next, NULL);
+    pel_scene_put_by(scene, next);
     return err;
 }
 
@@ -472,7 +482,7 @@ enum pel_err pel_scene_commit(struct pel_scene *scene, Pelagos__State *next,
         err = commit(scene, next, patch, time_s, going, ready, fault);
     }
     if (err) {
-        pelagos__state__free_unpacked(next, NULL);
+        pel_scene_put_by(scene, next);
         return err;
     }
     if (notice[0]) {
@@ -539,7 +549,7 @@ enum pel_err pel_scene_test(struct pel_scene *scene,
     enum pel_err err =
         pel_scene_edited(scene, patch, pel_scene_time(scene), &next, fault);
     if (!err) {
-        pelagos__state__free_unpacked(next, NULL);
+        pel_scene_put_by(scene, next);
     }
     return err;
 }
@@ -709,6 +719,9 @@ static void scene_free(struct pel_scene *scene)
     pel_resources_finish(&scene->has);
     if (scene->state) {
         pelagos__state__free_unpacked(scene->state, NULL);
+    }
+    if (scene->former) {
+        pelagos__state__free_unpacked(scene->former, NULL);
     }
     g_free((char *)scene->files.bathymetry);
     g_free((char *)scene->files.models);

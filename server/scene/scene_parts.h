@@ -38,6 +38,7 @@ struct pel_scene {
     char *spectra;          /* what means.spectra points to */
     struct pel_files files; /* directories of our own */
     Pelagos__State *state;  /* clock.time as of the last look at it */
+    Pelagos__State *former; /* of no use but as memory; NULL: none */
     struct pel_simclock clock;
     struct pel_resources has; /* what the snapshot was made with */
     const struct pel_snapshot *snapshot;
@@ -104,7 +105,7 @@ struct pel_scene {
 /* The state as of time_s. */
 void pel_scene_refresh(struct pel_scene *scene, double time_s);
 
-/* The state after the patch, tested; pelagos__state__free_unpacked. */
+/* The state after the patch, tested; pel_scene_put_by. */
 PEL_CHECK enum pel_err pel_scene_edited(struct pel_scene *scene,
                                         const Pelagos__Patch *patch,
                                         double time_s, Pelagos__State **out,
@@ -116,6 +117,10 @@ PEL_CHECK enum pel_err
 pel_scene_commit(struct pel_scene *scene, Pelagos__State *next,
                  const Pelagos__Patch *patch, const struct pel_resources *ready,
                  double time_s, int64_t now_ns, struct pel_fault *fault);
+
+/* Keeps a state (NULL: nothing) that is of no use but as the memory of the
+ * next one. */
+void pel_scene_put_by(struct pel_scene *scene, Pelagos__State *state);
 
 /* After one or more of those. */
 void pel_scene_notify_commit(struct pel_scene *scene);

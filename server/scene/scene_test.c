@@ -305,6 +305,63 @@ static void presets_are_tested_and_bounded(void **state)
     pel_scene_destroy(scene);
 }
 
+/* Two states take turns: an edit allocates what it changes, not 256 entities
+ * again. */
+static void the_state_before_last_is_the_memory_of_the_next(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL);
+    const Pelagos__State *seen[4];
+    void *taken[4][64]; /* what is freed is given to these */
+    struct pel_fault fault;
+    for (int i = 0; i < 4; i++) {
+        must(scene, i % 2 ? "{\"entities\":{\"1\":{\"speed\":3}}}"
+                          : "{\"entities\":{\"1\":{\"speed\":4}}}");
+        seen[i] = pel_scene_state(scene);
+        for (int k = 0; k < 64; k++) {
+            taken[i][k] = malloc(sizeof *seen[i]);
+        }
+        assert_int_equal(patch(scene, "{\"sea\":{\"windSpeed\":99}}", &fault),
+                         PEL_ERR_OUT_OF_RANGE);
+    }
+    assert_ptr_equal(seen[0], seen[2]);
+    assert_ptr_equal(seen[1], seen[3]);
+    for (int i = 0; i < 4 * 64; i++) {
+        free(taken[i / 64][i % 64]);
+    }
+    pel_scene_destroy(scene);
+}
+
+/* In whatever order, and however often it says one. */
+static void a_patch_brings_a_thousand_elements(void **state)
+{
+    (void)state;
+    struct pel_scene *scene = make(NULL);
+    Pelagos__Patch whole = PELAGOS__PATCH__INIT;
+    Pelagos__State part = PELAGOS__STATE__INIT;
+    static Pelagos__Entity ship[1024];
+    Pelagos__Entity *ships[1024];
+    struct pel_fault fault;
+    for (int i = 0; i < 1024; i++) {
+        ship[i] = (Pelagos__Entity)PELAGOS__ENTITY__INIT;
+        ship[i].has_id = ship[i].has_altitude = true;
+        ship[i].id = (uint32_t)(256 - i % 256);
+        ship[i].altitude = i;
+        ships[i] = &ship[i];
+    }
+    part.entities = ships;
+    part.n_entities = 1024;
+    whole.state = &part;
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(pel_scene_patch(scene, &whole, &fault), PEL_OK);
+        assert_int_equal(pel_scene_state(scene)->n_entities, 256);
+        for (uint32_t id = 1; id <= 256; id++) {
+            assert_true(entity_of(scene, id)->altitude == 1024 - id);
+        }
+    }
+    pel_scene_destroy(scene);
+}
+
 static void the_clock_has_modes(void **state)
 {
     (void)state;
@@ -749,6 +806,8 @@ int main(void)
         cmocka_unit_test(edits_merge_and_reset),
         cmocka_unit_test(limits_hold),
         cmocka_unit_test(presets_are_tested_and_bounded),
+        cmocka_unit_test(the_state_before_last_is_the_memory_of_the_next),
+        cmocka_unit_test(a_patch_brings_a_thousand_elements),
         cmocka_unit_test(the_clock_has_modes),
         cmocka_unit_test(a_heading_alone_does_not_throw_the_ship_back),
         cmocka_unit_test(snapshots_share_the_sea),

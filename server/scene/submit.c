@@ -255,9 +255,7 @@ static bool submit(struct pel_scene *scene, const struct pel_scene_wish *wish,
             pel_scene_notify_commit(scene);
         }
     } else if (!err) {
-        if (next) {
-            pelagos__state__free_unpacked(next, NULL);
-        }
+        pel_scene_put_by(scene, next);
         if (wait_for(scene, wish, done, user)) {
             return true;
         }
