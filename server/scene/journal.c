@@ -291,6 +291,42 @@ static size_t reserve(int fd, size_t head)
     return 0;
 }
 
+/* What a thread does with a file, and then closes it. */
+struct last {
+    struct pel_task task;
+    int fd;
+    bool over; /* its name is gone, nothing of it is brought to the disk */
+};
+
+static void do_last(struct pel_task *task)
+{
+    struct last *last = (struct last *)task;
+    if (!last->over) {
+        (void)!fdatasync(last->fd);
+    }
+    close(last->fd);
+    last->fd = -1;
+}
+
+static void did_last(struct pel_task *task, bool dropped)
+{
+    struct last *last = (struct last *)task;
+    (void)dropped;
+    if (last->fd >= 0) {
+        close(last->fd);
+    }
+    g_free(last);
+}
+
+/* The last close of a file without a name gives back a megabyte of the disk and
+ * of its cache: milliseconds. */
+static void push_last(struct pel_journal *j, int fd, bool over)
+{
+    struct last *last = g_new(struct last, 1);
+    *last = (struct last){ { .work = do_last, .done = did_last }, fd, over };
+    pel_worker_push(j->worker, &last->task);
+}
+
 static bool write_head(struct begun *b, const uint8_t *head, size_t size)
 {
     uint8_t first[PEL_LOG_BEGIN_SIZE];
@@ -373,16 +409,19 @@ static void say_broken(struct pel_journal *j, int why)
     j->why = why;
 }
 
-/* Takes the new one, whose entries are those of its head. */
-static void begun(struct pel_journal *j, const struct begun *b)
+/* Takes the new one, whose entries are those of its head. over: the thread
+ * ends. */
+static void begun(struct pel_journal *j, const struct begun *b, bool over)
 {
     if (rename(j->fresh, j->path) != 0) {
         say_broken(j, errno);
         close(b->fd);
         return;
     }
-    if (j->fd >= 0) {
+    if (j->fd >= 0 && over) {
         close(j->fd);
+    } else if (j->fd >= 0) {
+        push_last(j, j->fd, true);
     }
     j->fd = b->fd;
     j->size = b->size;
@@ -440,7 +479,7 @@ struct pel_journal *pel_journal_create(const char *path, const char *lineage,
     uint8_t *head = pack_head(j, state, &size);
     struct begun b = begin_file(j->fresh, head, size);
     if (b.fd >= 0) {
-        begun(j, &b);
+        begun(j, &b, false);
     }
     if (j->fd < 0) {
         j->refuses = !go_on(j, found);
@@ -492,7 +531,7 @@ static void turned(struct pel_task *task, bool dropped)
         close(t->got.fd);
         unlink(j->fresh);
     } else if (t->got.fd >= 0) {
-        begun(j, &t->got);
+        begun(j, &t->got, dropped);
     }
     g_byte_array_unref(j->since);
     j->since = NULL;
@@ -521,23 +560,6 @@ void pel_journal_turn(struct pel_journal *j, const Pelagos__State *state)
 
 /* --- to the disk ---------------------------------------------------------- */
 
-struct sync {
-    struct pel_task task;
-    int fd;
-};
-
-static void do_sync(struct pel_task *task)
-{
-    (void)!fdatasync(((struct sync *)task)->fd);
-}
-
-static void synced(struct pel_task *task, bool dropped)
-{
-    (void)dropped;
-    close(((struct sync *)task)->fd);
-    g_free(task);
-}
-
 static gboolean on_sync_timer(gpointer user)
 {
     struct pel_journal *j = user;
@@ -549,12 +571,8 @@ static gboolean on_sync_timer(gpointer user)
         j->sync_timer = 0;
     }
     if (j->unsynced && fd >= 0) {
-        struct sync *s = g_new0(struct sync, 1);
-        s->task.work = do_sync;
-        s->task.done = synced;
-        s->fd = fd;
+        push_last(j, fd, false);
         fd = -1;
-        pel_worker_push(j->worker, &s->task);
     }
     if (fd >= 0) {
         close(fd);
