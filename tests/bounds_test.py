@@ -789,6 +789,22 @@ class Bridges(Case):
             host.send(*(cigi.hat_hot(i, 52, 4) for i in range(most + 1)))
             host.settle()
 
+    def test_CIGI_WAITING(self):
+        with self.rises("CIGI_WAITING") as most, \
+                cigi.Host(("127.0.0.1", self.cigi)) as host:
+            until("the host is heard", lambda: host.send() and
+                  host.receive() is not None)
+            asked = VALUE["CIGI_QUESTIONS"]
+            heights = [cigi.hat_hot(i, 52, 4, kind=2) for i in range(asked)]
+            before = self.counted("CIGI_WAITING")
+
+            def flooded():  # faster than Start of Frame takes them along
+                for _ in range(2 * most // asked):
+                    host.send(*heights)
+                return self.counted("CIGI_WAITING") > before
+
+            until("the requests are too many", flooded)
+
 
 class Table(unittest.TestCase):
     def test_every_row_has_a_test(self):

@@ -604,6 +604,8 @@ size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes)
     cigi->told_ns = cigi->told_ns == 0 ? now_ns : cigi->told_ns;
     extrapolate(cigi, now_ns);
     cigi->ig_frame++;
+    pel_cigi_answers_begin(cigi->answers, !cigi->unsent);
+    cigi->unsent = false;
     answer_periodic(cigi);
     struct pel_cigi_packet p = pel_cigi_packet_of(PEL_CIGI_KIND_START_OF_FRAME);
     pel_cigi_set(&p, PEL_CIGI_START_OF_FRAME_MAJOR, 3);
@@ -739,6 +741,12 @@ void pel_cigi_destroy(struct pel_cigi *cigi)
     g_free(cigi->edit);
     pel_cigi_answers_destroy(cigi->answers);
     g_free(cigi);
+}
+
+void pel_cigi_not_sent(struct pel_cigi *cigi)
+{
+    cigi->unsent = true;
+    cigi->counters.unsent++;
 }
 
 const struct pel_cigi_counters *pel_cigi_counters(const struct pel_cigi *cigi)

@@ -90,6 +90,9 @@ void pel_cigi_settle(struct pel_cigi *cigi);
  * begins with Start of Frame, valid until the next call. */
 size_t pel_cigi_frame(struct pel_cigi *cigi, const uint8_t **bytes);
 
+/* The system refused that datagram: its answers come again with the next. */
+void pel_cigi_not_sent(struct pel_cigi *cigi);
+
 const struct pel_cigi_counters *pel_cigi_counters(const struct pel_cigi *cigi);
 void pel_cigi_status(const struct pel_cigi *cigi,
                      struct pel_cigi_status *status);

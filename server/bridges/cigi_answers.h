@@ -15,12 +15,19 @@ struct pel_cigi_answers;
 struct pel_cigi_answers *pel_cigi_answers_create(bool threaded);
 void pel_cigi_answers_destroy(struct pel_cigi_answers *answers);
 
-/* Asks `count` requests of one moment; everything is copied or referenced. At
- * most 8 moments wait for the thread: the oldest then goes unanswered. */
+/* Asks `count` requests of one moment; everything is copied or referenced. They
+ * are answered about that moment; where more than two moments of a sea of FFT
+ * wait for the thread, about the newest, whose host frame the answers name.
+ * Beyond PEL_BOUND_CIGI_WAITING requests whose answers are not sent the oldest
+ * that wait go unanswered, and where none wait these. */
 void pel_cigi_answers_ask(struct pel_cigi_answers *answers,
                           const struct pel_cigi_moment *moment,
                           const struct pel_cigi_packet *const *questions,
                           size_t count);
+
+/* Begins a frame. The answers that the frame before took go with it (`sent`) or
+ * are taken once more. */
+void pel_cigi_answers_begin(struct pel_cigi_answers *answers, bool sent);
 
 /* The oldest answer that is ready, valid until the next call here; NULL: none.
  * It stays the oldest until pel_cigi_answers_pop. */

@@ -371,6 +371,30 @@ static void other_versions_are_known(void **state)
     }
 }
 
+/* However many lines of sight come at once, each has its answer. */
+static void every_sight_is_answered(void **state)
+{
+    (void)state;
+    unsigned got = 0;
+    begin();
+    for (unsigned i = 0; i < 300; i++) {
+        with(PEL_CIGI_KIND_LOS_VECTOR, PEL_CIGI_LOS_VECTOR_ID, (double)i,
+             PEL_CIGI_LOS_VECTOR_LATITUDE, 52.6, PEL_CIGI_LOS_VECTOR_LONGITUDE,
+             5.2, PEL_CIGI_LOS_VECTOR_ALTITUDE, 25.0,
+             PEL_CIGI_LOS_VECTOR_ELEVATION, -30.0,
+             PEL_CIGI_LOS_VECTOR_MAX_RANGE, 1000.0, 0);
+    }
+    send();
+    take_frame();
+    for (struct pel_cigi_packet p; pel_cigi_next(&answers, &p);) {
+        assert_near(pel_cigi_get(&p, PEL_CIGI_LOS_RESPONSE_ID), got, 0);
+        assert_near(pel_cigi_get(&p, PEL_CIGI_LOS_RESPONSE_RANGE), 50, 6);
+        got++;
+    }
+    assert_int_equal(got, 300);
+    assert_int_equal(pel_cigi_counters(cigi)->dropped_answers, 0);
+}
+
 int main(void)
 {
 #define TEST(name)                                                             \
@@ -388,6 +412,7 @@ int main(void)
         TEST(normals_are_in_the_axes_of_the_answer),
         TEST(what_waits_becomes_one_edit),
         TEST(other_versions_are_known),
+        TEST(every_sight_is_answered),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

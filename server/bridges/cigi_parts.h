@@ -45,6 +45,7 @@ struct pel_cigi {
     bool shown;                      /* in the metrics */
 
     unsigned told_versions; /* bits: hosts of them were told */
+    bool unsent;            /* the newest frame */
     bool refused;           /* the newest host frame's packets were */
     bool led;               /* a host is heard; the rest is its session's */
     bool lead_pending;      /* clock.mode is still to be set */

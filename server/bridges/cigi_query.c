@@ -15,8 +15,8 @@
 #define SLOPE_M 1.0 /* over which land slopes */
 #define STEP_M 0.25
 #define MAX_STEPS 1024
-#define ALL_STEPS 8192 /* of the sights of one datagram */
-#define MAX_SIGHTS 128
+#define MIN_STEPS 64
+#define ALL_STEPS 8192 /* of 128 sights or fewer at once */
 #define AT_ONCE 64
 #define MET_M 1e-3
 #define HALVINGS 40
@@ -633,16 +633,12 @@ size_t pel_cigi_answer(const struct pel_cigi_moment *moment,
                          ? pel_snapshot_objects(moment->snapshot,
                                                 moment->time_s, NULL, objects)
                          : 0;
-    sights = sights < MAX_SIGHTS ? sights : MAX_SIGHTS;
-    m.sight_steps =
-        sights * MAX_STEPS <= ALL_STEPS ? MAX_STEPS : ALL_STEPS / sights;
+    m.sight_steps = ALL_STEPS / (sights > 0 ? sights : 1);
+    m.sight_steps = m.sight_steps < MIN_STEPS   ? MIN_STEPS
+                    : m.sight_steps > MAX_STEPS ? MAX_STEPS
+                                                : m.sight_steps;
     for (size_t i = 0; i < count; i++) {
         struct pel_cigi_packet out[2];
-        bool is_ray = is_sight(questions[i]->kind);
-        if (is_ray && sights == 0) {
-            continue;
-        }
-        sights -= is_ray;
         bool on_sea = sample_of[i] >= 0;
         size_t made = answer_one(&m, questions[i], on_sea, at[i],
                                  on_sea ? &samples[sample_of[i]] : &none, out);

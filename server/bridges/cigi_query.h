@@ -35,8 +35,8 @@ bool pel_cigi_is_question(enum pel_cigi_kind kind);
  * the number of answers. HAT/HOT and maritime heights are pel_sea_query's, or
  * the former of what stands there. A
  * line of sight is followed where waves can be, in steps of 0.25 m, or of a
- * 1024th of that way if this is longer (a 64th with 128 sights at once; more
- * are not answered), then to 0.1 mm. */
+ * 1024th of that way if this is longer (with more than 8 sights at once an
+ * 8192th times their number, a 64th at most), then to 0.1 mm. */
 size_t pel_cigi_answer(const struct pel_cigi_moment *moment,
                        const struct pel_cigi_packet *const *questions,
                        size_t count, pel_cigi_emit emit, void *user);

@@ -89,6 +89,7 @@ static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
         static struct pel_log_limit limit;
         pel_log_limited(&limit, PEL_LOG_DEBUG, "CIG-009",
                         "Start of Frame not sent: %s", strerror(errno));
+        pel_cigi_not_sent(cigi);
         cigi->counters.unsent++;
         if (cigi->host_target) {
             pel_target_failed(cigi->host_target);
