@@ -8,6 +8,7 @@
 
 #include "base/clock.h"
 #include "base/heap.h"
+#include "base/hostport.h"
 #include "base/log.h"
 #include "base/metrics.h"
 #include "base/reserve.h"
@@ -58,8 +59,8 @@ struct daemon {
     struct pel_nmea_out *nmea_out;
     struct pel_cigi *cigi;
     struct pel_service *service;
-    char http_host[64], tcp_host[64],
-        rtsp_host[64]; /* the net keeps pointers */
+    char http_host[PEL_HOST_SIZE], tcp_host[PEL_HOST_SIZE],
+        rtsp_host[PEL_HOST_SIZE]; /* the net keeps pointers */
     char **http_hosts, **origins, **proxies, **relays;
     bool stopping;
 };
@@ -247,18 +248,18 @@ static enum pel_err start_net(struct daemon *d, struct pel_fault *fault)
     };
     pel_net_limits_default(&options.limits);
     if (*d->options.http &&
-        pel_options_split_address(d->options.http, d->http_host,
-                                  &options.http_port)) {
+        pel_hostport_split(d->options.http, d->http_host, &options.http_port) ==
+            PEL_HOST_NUMBER) {
         options.http_address = d->http_host;
     }
     if (*d->options.tcp &&
-        pel_options_split_address(d->options.tcp, d->tcp_host,
-                                  &options.tcp_port)) {
+        pel_hostport_split(d->options.tcp, d->tcp_host, &options.tcp_port) ==
+            PEL_HOST_NUMBER) {
         options.tcp_address = d->tcp_host;
     }
     if (*d->options.rtsp &&
-        pel_options_split_address(d->options.rtsp, d->rtsp_host,
-                                  &options.rtsp_port)) {
+        pel_hostport_split(d->options.rtsp, d->rtsp_host, &options.rtsp_port) ==
+            PEL_HOST_NUMBER) {
         options.rtsp_address = d->rtsp_host;
     }
     if (*d->options.http_hosts) {

@@ -8,9 +8,9 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/hostport.h"
 #include "base/log.h"
 #include "base/nearest.h"
-#include "bridges/target.h"
 
 #define MOST_CONFIG (1 << 20) /* bytes */
 
@@ -100,37 +100,6 @@ static enum pel_err set_flag(const struct pel_option *option, const char *value,
     return PEL_OK;
 }
 
-bool pel_options_split_address(const char *text, char host[64], uint16_t *port)
-{
-    const char *colon = strrchr(text, ':');
-    if (!colon || colon == text || colon[1] < '0' || colon[1] > '9') {
-        return false;
-    }
-    char *end;
-    errno = 0;
-    unsigned long number = strtoul(colon + 1, &end, 10);
-    size_t length = (size_t)(colon - text);
-    if (*end != 0 || errno == ERANGE || number > 65535) {
-        return false;
-    }
-    bool bracketed = text[0] == '[' && colon[-1] == ']';
-    if (bracketed) {
-        text++;
-        length -= 2;
-    }
-    if (length == 0 || length > 63) {
-        return false;
-    }
-    memcpy(host, text, length);
-    host[length] = 0;
-    if (strcmp(host, "localhost") == 0) {
-        g_strlcpy(host, "127.0.0.1", 64);
-    }
-    uint8_t binary[16];
-    *port = (uint16_t)number;
-    return inet_pton(bracketed ? AF_INET6 : AF_INET, host, binary) == 1;
-}
-
 bool pel_options_split_ports(const char *text, uint16_t *first, uint16_t *last)
 {
     g_auto(GStrv) words = g_strsplit(text, "-", 3);
@@ -163,7 +132,7 @@ static enum pel_err set_text(const struct pel_option *option, const char *value,
 {
     char *text = field(option, options);
     bool can_be_off = option->kind != PEL_OPTION_TEXT_KIND;
-    char host[PEL_TARGET_HOST];
+    char host[PEL_HOST_SIZE];
     uint16_t port;
     if (strlen(value) >= PEL_OPTION_TEXT) {
         return refuse(fault, option, where, value,
@@ -174,13 +143,14 @@ static enum pel_err set_text(const struct pel_option *option, const char *value,
         return PEL_OK;
     }
     if (option->kind == PEL_OPTION_ADDRESS &&
-        !pel_options_split_address(value, host, &port)) {
+        pel_hostport_split(value, host, &port) != PEL_HOST_NUMBER) {
         return refuse(fault, option, where, value,
                       "is neither ADDRESS:PORT (127.0.0.1:8080, [::1]:8080, "
                       "port 0 .. 65535) nor off");
     }
     if (option->kind == PEL_OPTION_TARGET &&
-        (!pel_target_split(value, host, &port) || port == 0)) {
+        (pel_hostport_split(value, host, &port) == PEL_HOST_NONE ||
+         port == 0)) {
         return refuse(fault, option, where, value,
                       "is neither HOST:PORT (127.0.0.1:8000, [::1]:8000, "
                       "vm.example:8000, port 1 .. 65535) nor off");
@@ -530,13 +500,13 @@ enum pel_err pel_options_read(int argc, char **argv,
 
 static bool is_loopback(const char *address)
 {
-    char host[64];
+    char host[PEL_HOST_SIZE];
     uint16_t port;
     uint8_t binary[4];
     if (*address == 0) {
         return true;
     }
-    if (!pel_options_split_address(address, host, &port)) {
+    if (pel_hostport_split(address, host, &port) != PEL_HOST_NUMBER) {
         return false;
     }
     return inet_pton(AF_INET, host, binary) == 1 ? binary[0] == 127

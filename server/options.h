@@ -155,9 +155,6 @@ bool pel_option_equal(const struct pel_option *option,
 void pel_options_log_changes(const struct pel_options *from,
                              const struct pel_options *to);
 
-/* Splits ADDRESS:PORT (localhost becomes 127.0.0.1); false: not one. */
-bool pel_options_split_address(const char *text, char host[64], uint16_t *port);
-
 /* The elements of a LIST's value as the options keep it, for g_strfreev();
  * NULL: there are none. */
 char **pel_options_split(const char *list);

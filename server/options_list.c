@@ -5,8 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/hostport.h"
 #include "bridges/endpoint.h"
-#include "bridges/target.h"
 #include "options.h"
 
 #define BLANKS " \t"
@@ -51,10 +51,10 @@ static bool is_port(const char *text)
 
 static bool is_host(const char *text)
 {
-    char host[PEL_TARGET_HOST];
+    char host[PEL_HOST_SIZE];
     uint16_t port;
     g_autofree char *whole = g_strconcat(text, ":1", NULL);
-    return pel_target_split(whole, host, &port);
+    return pel_hostport_split(whole, host, &port) != PEL_HOST_NONE;
 }
 
 const char *pel_options_host(const char *text)
@@ -146,13 +146,15 @@ const char *pel_options_device(const char *text)
 const char *pel_options_outlet(const char *text)
 {
     const char *at = strchr(text, '@');
-    char host[PEL_TARGET_HOST];
+    char host[PEL_HOST_SIZE];
     uint16_t port;
     guint64 id;
     g_autofree char *entity =
         at ? g_strndup(text, (size_t)(at - text)) : g_strdup("0");
     return g_ascii_string_to_unsigned(entity, 10, 0, 65535, &id, NULL) &&
-                   pel_target_split(at ? at + 1 : text, host, &port) && port > 0
+                   pel_hostport_split(at ? at + 1 : text, host, &port) !=
+                       PEL_HOST_NONE &&
+                   port > 0
                ? NULL
                : "not [ENTITY@]HOST:PORT, as 127.0.0.1:10111 or "
                  "7@chart.example:10110";

@@ -9,6 +9,8 @@
 
 #include <cmocka.h>
 
+#include "base/hostport.h"
+
 #define READ(options, action, fault, ...)                                      \
     read_options(options, action, fault,                                       \
                  (char *[]){ (char *)"pelagosd", __VA_ARGS__, NULL })
@@ -58,12 +60,14 @@ static void both_forms_of_the_command_line(void **state)
     assert_string_equal(options.tcp, "");
     assert_true(options.plain);
     assert_int_equal(options.modbus_order, 3);
-    char host[64];
+    char host[PEL_HOST_SIZE];
     uint16_t port;
-    assert_true(pel_options_split_address(options.http, host, &port));
+    assert_int_equal(pel_hostport_split(options.http, host, &port),
+                     PEL_HOST_NUMBER);
     assert_string_equal(host, "::1");
     assert_int_equal(port, 0);
-    assert_true(pel_options_split_address(options.nmea, host, &port));
+    assert_int_equal(pel_hostport_split(options.nmea, host, &port),
+                     PEL_HOST_NUMBER);
     assert_string_equal(host, "127.0.0.1");
     assert_int_equal(port, 9);
 }

@@ -1,47 +1,13 @@
 #include "bridges/endpoint.h"
 
-#include <arpa/inet.h>
 #include <errno.h>
-#include <glib.h>
 #include <netinet/in.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "base/hostport.h"
 #include "base/trial.h"
-
-/* "HOST:PORT" or "[HOST]:PORT" to a socket address. */
-bool pel_endpoint_read(const char *text, struct sockaddr_storage *out,
-                       socklen_t *size)
-{
-    const char *colon = strrchr(text, ':');
-    char host[64];
-    guint64 port;
-    if (!colon || (size_t)(colon - text) >= sizeof host ||
-        !g_ascii_string_to_unsigned(colon + 1, 10, 0, 65535, &port, NULL)) {
-        return false;
-    }
-    size_t length = (size_t)(colon - text);
-    bool bracket = length > 2 && text[0] == '[' && colon[-1] == ']';
-    memcpy(host, text + bracket, length - 2 * bracket);
-    host[length - 2 * bracket] = 0;
-    if (strcmp(host, "localhost") == 0 || length == 0) {
-        strcpy(host, "127.0.0.1");
-    }
-    *out = (struct sockaddr_storage){ 0 };
-    struct sockaddr_in *v4 = (struct sockaddr_in *)out;
-    struct sockaddr_in6 *v6 = (struct sockaddr_in6 *)out;
-    if (!bracket && inet_pton(AF_INET, host, &v4->sin_addr) == 1) {
-        v4->sin_family = AF_INET;
-        v4->sin_port = htons((uint16_t)port);
-        *size = sizeof *v4;
-        return true;
-    }
-    v6->sin6_family = AF_INET6;
-    v6->sin6_port = htons((uint16_t)port);
-    *size = sizeof *v6;
-    return bracket && inet_pton(AF_INET6, host, &v6->sin6_addr) == 1;
-}
 
 static uint16_t port_of(int fd)
 {
@@ -63,8 +29,10 @@ enum pel_err pel_endpoint_open(const char *what, const char *address,
                                uint16_t *port, struct pel_fault *fault)
 {
     struct sockaddr_storage name;
+    char host[PEL_HOST_SIZE];
     socklen_t size;
-    if (!pel_endpoint_read(address, &name, &size)) {
+    if (pel_hostport_split(address, host, port) != PEL_HOST_NUMBER ||
+        !pel_hostport_address(host, *port, AF_UNSPEC, &name, &size)) {
         return pel_fault_set(
             fault, PEL_ERR_INVALID,
             "--%s: %s is no ADDRESS:PORT; write 127.0.0.1:1502 "

@@ -11,10 +11,6 @@
 #include "base/allow.h"
 #include "base/err.h"
 
-/* Reads "127.0.0.1:1502", "[::1]:1502", "localhost:0"; false: none of them. */
-bool pel_endpoint_read(const char *text, struct sockaddr_storage *out,
-                       socklen_t *size);
-
 /* Opens a non-blocking, close-on-exec socket of `type` (SOCK_STREAM is put to
  * listen) on `address` ("127.0.0.1:1502", "[::1]:1502", "localhost:0"); its
  * port goes to *port. INVALID: unreadable, or not loopback while `list` is

@@ -1,13 +1,12 @@
 #include "bridges/target.h"
 
-#include <arpa/inet.h>
 #include <gio/gio.h>
 #include <glib.h>
-#include <netinet/in.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "base/clock.h"
+#include "base/hostport.h"
 #include "base/log.h"
 #include "base/trial.h"
 #include "base/watch.h"
@@ -19,7 +18,7 @@
 
 struct pel_target {
     char *option, *text;
-    char host[PEL_TARGET_HOST];
+    char host[PEL_HOST_SIZE];
     uint16_t port;
     int family;
     bool named; /* else a number, which stays */
@@ -32,71 +31,6 @@ struct pel_target {
     int64_t looked_ns;
     struct pel_metrics *metrics;
 };
-
-/* --- reading -------------------------------------------------------------- */
-
-/* Letters, digits, hyphens, dots, as resolvers take them. The last label is no
- * number: such a text is a numeric address with a slip. */
-static bool is_name(const char *host)
-{
-    size_t length = strlen(host);
-    const char *dot = strrchr(host, '.');
-    const char *last = dot && dot[1] ? dot + 1 : host;
-    return length > 0 && length < PEL_TARGET_HOST && *host != '-' &&
-           *host != '.' && !strstr(host, "..") &&
-           strspn(host, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
-                        "0123456789-._") == length &&
-           strspn(last, "0123456789.") != strlen(last);
-}
-
-bool pel_target_split(const char *text, char host[PEL_TARGET_HOST],
-                      uint16_t *port)
-{
-    const char *colon = strrchr(text, ':');
-    guint64 number;
-    if (!colon ||
-        !g_ascii_string_to_unsigned(colon + 1, 10, 0, 65535, &number, NULL)) {
-        return false;
-    }
-    size_t length = (size_t)(colon - text);
-    bool bracket = length > 2 && text[0] == '[' && colon[-1] == ']';
-    length -= bracket ? 2 : 0;
-    if (length >= PEL_TARGET_HOST) {
-        return false;
-    }
-    memcpy(host, text + bracket, length);
-    host[length] = 0;
-    *port = (uint16_t)number;
-    if (g_ascii_strcasecmp(host, "localhost") == 0) {
-        g_strlcpy(host, "127.0.0.1", PEL_TARGET_HOST);
-    }
-    uint8_t binary[16];
-    return bracket ? inet_pton(AF_INET6, host, binary) == 1
-                   : inet_pton(AF_INET, host, binary) == 1 || is_name(host);
-}
-
-/* False: the number is none, or of another family. */
-static bool set_address(struct pel_target *t, const char *number)
-{
-    struct sockaddr_storage address = { 0 };
-    struct sockaddr_in *v4 = (struct sockaddr_in *)&address;
-    struct sockaddr_in6 *v6 = (struct sockaddr_in6 *)&address;
-    if (t->family != AF_INET6 &&
-        inet_pton(AF_INET, number, &v4->sin_addr) == 1) {
-        v4->sin_family = AF_INET;
-        v4->sin_port = htons(t->port);
-        t->size = sizeof *v4;
-    } else if (t->family != AF_INET &&
-               inet_pton(AF_INET6, number, &v6->sin6_addr) == 1) {
-        v6->sin6_family = AF_INET6;
-        v6->sin6_port = htons(t->port);
-        t->size = sizeof *v6;
-    } else {
-        return false;
-    }
-    t->address = address;
-    return true;
-}
 
 /* --- looking up ----------------------------------------------------------- */
 
@@ -136,7 +70,8 @@ static void resolved(struct pel_target *t, GList *list)
         for (GList *each = list; each && !found; each = each->next) {
             g_autofree char *number = g_inet_address_to_string(each->data);
             found =
-                set_address(t, number) &&
+                pel_hostport_address(number, t->port, t->family, &t->address,
+                                     &t->size) &&
                 (turn == 1 || memcmp(&before, &t->address, sizeof before) == 0);
             if (found && (size == 0 || t->told ||
                           memcmp(&before, &t->address, sizeof before) != 0)) {
@@ -216,7 +151,7 @@ void pel_target_failed(struct pel_target *t)
 static void collect(void *user, struct pel_metrics_page *page)
 {
     const struct pel_target *t = user;
-    char label[PEL_TARGET_HOST + 64];
+    char label[PEL_HOST_SIZE + 64];
     snprintf(label, sizeof label, "option=\"%s\",host=\"%s:%u\"", t->option,
              t->host, t->port);
     pel_metric(page, "pelagos_target_resolved", PEL_METRIC_GAUGE,
@@ -233,7 +168,8 @@ static void try_name(struct pel_target *t)
     bool found = false;
     for (GList *each = list; each && !found; each = each->next) {
         g_autofree char *number = g_inet_address_to_string(each->data);
-        found = set_address(t, number);
+        found = pel_hostport_address(number, t->port, t->family, &t->address,
+                                     &t->size);
     }
     if (!found) {
         pel_trial_note("--%s: %s is not resolved: %s; a daemon starts, and "
@@ -252,7 +188,8 @@ enum pel_err pel_target_create(const struct pel_target_options *options,
     t->option = g_strdup(options->option);
     t->text = g_strdup(options->text);
     t->family = options->family;
-    if (!pel_target_split(options->text, t->host, &t->port) || t->port == 0) {
+    enum pel_host kind = pel_hostport_split(options->text, t->host, &t->port);
+    if (kind == PEL_HOST_NONE || t->port == 0) {
         enum pel_err err = pel_fault_set(
             fault, PEL_ERR_INVALID,
             "--%s: '%.80s' is not HOST:PORT; write 127.0.0.1:10111, "
@@ -261,10 +198,9 @@ enum pel_err pel_target_create(const struct pel_target_options *options,
         pel_target_destroy(t);
         return err;
     }
-    uint8_t binary[16];
-    t->named = inet_pton(AF_INET, t->host, binary) != 1 &&
-               inet_pton(AF_INET6, t->host, binary) != 1;
-    if (!t->named && !set_address(t, t->host)) {
+    t->named = kind == PEL_HOST_NAME;
+    if (!t->named && !pel_hostport_address(t->host, t->port, t->family,
+                                           &t->address, &t->size)) {
         enum pel_err err = pel_fault_set(
             fault, PEL_ERR_INVALID,
             "--%s: '%.80s' and the address that it is sent from are of "

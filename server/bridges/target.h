@@ -11,13 +11,6 @@
 #include "base/err.h"
 #include "base/metrics.h"
 
-#define PEL_TARGET_HOST 254
-
-/* Splits "127.0.0.1:1502", "[::1]:1502", "vm.example:33001"; of localhost
- * 127.0.0.1. False: none of them. Any thread. */
-bool pel_target_split(const char *text, char host[PEL_TARGET_HOST],
-                      uint16_t *port);
-
 struct pel_target;
 
 struct pel_target_options {

@@ -9,6 +9,7 @@
 
 #include <cmocka.h>
 
+#include "base/hostport.h"
 #include "base/log.h"
 #include "bridges/target.h"
 
@@ -92,9 +93,10 @@ static void texts_are_split(void **state)
         { "http://vm:80", NULL, 0 },
     };
     for (size_t i = 0; i < G_N_ELEMENTS(cases); i++) {
-        char host[PEL_TARGET_HOST];
+        char host[PEL_HOST_SIZE];
         uint16_t port;
-        bool good = pel_target_split(cases[i].text, host, &port);
+        bool good =
+            pel_hostport_split(cases[i].text, host, &port) != PEL_HOST_NONE;
         if (good != (cases[i].host != NULL)) {
             fail_msg("%s", cases[i].text);
         }
