@@ -90,7 +90,6 @@ static gboolean on_timer(gint fd, GIOCondition condition, gpointer user)
         pel_log_limited(&limit, PEL_LOG_DEBUG, "CIG-009",
                         "Start of Frame not sent: %s", strerror(errno));
         pel_cigi_not_sent(cigi);
-        cigi->counters.unsent++;
         if (cigi->host_target) {
             pel_target_failed(cigi->host_target);
         }
