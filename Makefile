@@ -538,6 +538,16 @@ bench: deps-build ## time frames, views, queries, encoders, streams (ARGS='--qui
 	$(O)/bin/bench $(ARGS)
 	$(O)/bin/bench_streams --views 1 --seconds 2
 
+# Prints how to run it elsewhere where this machine has no GPU.
+GPU_CHECK := build/gpu-check.tar.xz
+.PHONY: gpu-check
+gpu-check: deps-build ## renderer tests, goldens, frame times on a GPU (PARENT=DIR: another build's programs, in turns)
+	$(Q)$(MAKE) -s --no-print-directory tests $(O)/bin/still
+	$(Q)tests/gpu/pack.py $(if $(PARENT),--parent $(PARENT)) $(GPU_CHECK)
+	$(Q)tar -C build -xJf $(GPU_CHECK)
+	$(Q)build/gpu-check/check.py build/gpu-check.md || { [ $$? = 2 ] && \
+	    echo "On a machine with a GPU: tar xJf gpu-check.tar.xz && gpu-check/check.py gpu-check.md"; }
+
 # --- validation -----------------------------------------------------------
 $(O)/bin/validate_water: $(OBJ)/tests/validate/water.o \
     $(OBJ)/tests/validate/watersampling.o $(OBJ)/tests/validate/waterslopes.o \

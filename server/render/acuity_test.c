@@ -347,7 +347,7 @@ static int begin_filter(void **state)
     (void)state;
     struct pel_fault fault = { 0 };
     GLuint vao;
-    if (pel_context_init(&context, "software", true, &fault) ||
+    if (pel_context_init(&context, test_device(), true, &fault) ||
         pel_acuity_need(&acuity, NULL, &fault)) {
         fail_msg("%s", fault.message);
     }

@@ -14,6 +14,7 @@
 
 #include "ocean/cascade.h"
 #include "render/context.h"
+#include "render/render_testkit.h"
 #include "render/shader.h"
 #include "render/sky.h"
 #include "render/texels.h"
@@ -34,7 +35,6 @@ static enum pel_err run_waves(struct pel_wavefield *field,
 
 static const struct pel_filter filter = PEL_FILTER_DEFAULT;
 static struct pel_context context;
-static const char *device = "software";
 static struct pel_wavefield field;
 static struct pel_sea sea;
 
@@ -201,7 +201,7 @@ static int set_up(void **state)
 {
     (void)state;
     struct pel_fault fault = { 0 };
-    if (pel_context_init(&context, device, true, &fault)) {
+    if (pel_context_init(&context, test_device(), true, &fault)) {
         fail_msg("%s", fault.message);
     }
     return 0;
@@ -215,10 +215,8 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* filtered_test [DEVICE] */
-int main(int argc, char **argv)
+int main(void)
 {
-    device = argc > 1 ? argv[1] : device;
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shaders_are_the_reference),
     };

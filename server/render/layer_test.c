@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "render/renderer.h"
+#include "render/render_testkit.h"
 
 static const unsigned all_layers =
     ((2u << PEL_LAYERS) - 1) & ~(unsigned)PEL_LAYER_POSITION;
@@ -75,7 +75,7 @@ static struct pel_picture *draw(struct pel_renderer *r, unsigned layers)
 static struct pel_renderer *create(const char *shading)
 {
     struct pel_renderer *r = NULL;
-    const struct pel_renderer_options o = { .device = "software",
+    const struct pel_renderer_options o = { .device = test_device(),
                                             .shading = shading };
     assert_int_equal(pel_renderer_create(&o, &r, NULL), PEL_OK);
     return r;
@@ -204,7 +204,7 @@ static void filters_draw_one_sea(void **state)
         scene.fft = fft;
         double first = 0;
         for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-            const struct pel_renderer_options o = { .device = "software",
+            const struct pel_renderer_options o = { .device = test_device(),
                                                     .shading = "fragment",
                                                     .filtering =
                                                         cases[i].filtering };
@@ -242,6 +242,25 @@ static void bad_filters_are_refused(void **state)
 /* To the bit; but what an EXR of half floats stores as 0 is the same: in the
  * tail of the Sun's glitter, at 1e-33 of it, exponents of the two wrappers have
  * differed in their last bits. */
+/* Two pictures by programs that are compiled apart: the same bits on the
+ * software device. A GPU's compiler orders sums otherwise in each, so that some
+ * bytes are the next one (NVIDIA H200: 2.5 % of them, none is another). */
+static void assert_same_pixels(const struct pel_renderer *r, const uint8_t *a,
+                               const uint8_t *b)
+{
+    int next = 0, other = 0;
+    for (size_t k = 0; k < (size_t)PIXELS * 4; k++) {
+        next += abs(a[k] - b[k]) == 1;
+        other += abs(a[k] - b[k]) > 1;
+    }
+    print_message("%d bytes are the next one, %d another\n", next, other);
+    if (pel_renderer_is_software(r)) {
+        assert_int_equal(next, 0);
+    }
+    assert_int_equal(other, 0);
+    assert_true(next <= PIXELS * 4 / 20);
+}
+
 static bool same(const struct pel_layer_info *l, float a, float b)
 {
     return memcmp(&a, &b, sizeof a) == 0 ||
@@ -271,20 +290,27 @@ static void wrappers_agree(void **state)
     pel_renderer_destroy(r);
     r = create("compute");
     p = draw(r, all_layers);
-    assert_memory_equal(p->rgba, color, sizeof color);
+    assert_same_pixels(r, p->rgba, color);
+    int differ = 0, values = 0;
     for (int i = 0; i < PEL_LAYERS; i++) {
         const struct pel_layer_info *l = &pel_layer_table[i];
         const float *y = p->layer[i];
         for (int k = 0; y && k < PIXELS; k++) {
             for (size_t n = 0; n < strlen(l->channels); n++) {
                 size_t at = (size_t)(k * pel_layer_stride(l)) + n;
-                assert_true(same(l, layers[i][at], y[at]));
+                float a = layers[i][at], b = y[at];
+                differ += pel_renderer_is_software(r)
+                              ? !same(l, a, b)
+                              : fabsf(a - b) > 1e-3F * fabsf(a) + 1e-4F;
+                values++;
             }
         }
     }
+    print_message("%d of %d values of layers differ\n", differ, values);
+    assert_int_equal(differ, 0);
     pel_picture_release(p);
     p = draw(r, PEL_LAYER_COLOR);
-    assert_memory_equal(p->rgba, color, sizeof color);
+    assert_same_pixels(r, p->rgba, color);
     assert_null(p->layer[0]);
     pel_picture_release(p);
     pel_renderer_destroy(r);
@@ -313,12 +339,8 @@ static void triangles_of_any_shape_agree(void **state)
     r = create("compute");
     for (int i = 0; i < SCENES; i++) {
         struct pel_picture *p = draw_scene(r, &scenes[i], PEL_LAYER_COLOR);
-        int differ = 0;
-        for (size_t k = 0; k < sizeof colors[i]; k++) {
-            differ += p->rgba[k] != colors[i][k];
-        }
-        print_message("%s: %d bytes differ\n", scenes[i].name, differ);
-        assert_int_equal(differ, 0);
+        print_message("%s: ", scenes[i].name);
+        assert_same_pixels(r, p->rgba, colors[i]);
         pel_picture_release(p);
     }
     pel_renderer_destroy(r);
@@ -329,21 +351,18 @@ static void the_device_decides(void **state)
 {
     (void)state;
     static uint8_t color[PIXELS * 4];
-    static const struct {
-        const char *said;
-        bool compute;
-    } cases[] = { { "auto", false },
-                  { "fragment", false },
-                  { "compute", true } };
+    static const char *const said[] = { "auto", "fragment", "compute" };
     for (int i = 0; i < 3; i++) {
-        struct pel_renderer *r = create(cases[i].said);
+        struct pel_renderer *r = create(said[i]);
+        bool software = pel_renderer_is_software(r);
         for (int n = 0; n < 2; n++) {
             struct pel_picture *p = draw(r, PEL_LAYER_COLOR);
-            if (i == 0 && n == 0) {
+            if (n == 0 && (i == 0 || !software)) {
                 memcpy(color, p->rgba, sizeof color);
             }
             assert_memory_equal(p->rgba, color, sizeof color);
-            assert_int_equal(pel_renderer_in_compute(r), cases[i].compute);
+            assert_int_equal(pel_renderer_in_compute(r),
+                             i == 0 ? !software : i == 2);
             pel_picture_release(p);
         }
         pel_renderer_destroy(r);

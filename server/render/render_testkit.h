@@ -138,12 +138,16 @@ static inline struct pel_environment test_environment(const struct pel_sea *sea,
     };
 }
 
-/* TEST_DEVICE: another device than the software one, as of --device. */
-static inline struct pel_renderer *test_renderer(const char *shading)
+/* TEST_DEVICE names another device than the software one, as --device does. */
+static inline const char *test_device(void)
 {
     const char *device = getenv("TEST_DEVICE");
-    const struct pel_renderer_options options = { .device = device ? device
-                                                                   : "software",
+    return device ? device : "software";
+}
+
+static inline struct pel_renderer *test_renderer(const char *shading)
+{
+    const struct pel_renderer_options options = { .device = test_device(),
                                                   .shading = shading,
                                                   .debug = true };
     struct pel_fault fault = { 0 };

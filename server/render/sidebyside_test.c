@@ -17,7 +17,7 @@ static struct pel_picture *draw(struct pel_renderer *r)
 
 static void begin_again(void)
 {
-    const struct pel_renderer_options options = { .device = "software" };
+    const struct pel_renderer_options options = { .device = test_device() };
     struct pel_fault fault = { 0 };
     pel_renderer_destroy(renderer);
     renderer = NULL;

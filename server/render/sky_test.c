@@ -143,7 +143,7 @@ static int set_up(void **state)
 {
     (void)state;
     struct pel_fault fault = { 0 };
-    if (pel_context_init(&context, "software", true, &fault) ||
+    if (pel_context_init(&context, test_device(), true, &fault) ||
         pel_sky_init(&sky, NULL, &fault)) {
         fail_msg("%s", fault.message);
     }

@@ -73,8 +73,10 @@ static void pictures_are_the_same(void **state)
                   all, freed / 1e3 / (all - 1));
     assert_true(all > 30);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    /* 1.7 MB; a sanitizer's allocator does not count for mallinfo. */
-    assert_true(freed > 500e3 * all);
+    /* 1.7 MB, NVIDIA's driver 0.2; a sanitizer's allocator does not count for
+     * mallinfo. */
+    assert_true(freed >
+                (pel_renderer_is_software(renderer) ? 500e3 : 50e3) * all);
 #endif
     assert_false(pel_renderer_lost(renderer));
     pel_program_limits(PEL_PROGRAM_MOST, PEL_PROGRAM_IDLE_S);
@@ -134,7 +136,8 @@ static void a_program_that_is_gone_is_a_loss(void **state)
     assert_int_equal(pel_renderer_programs(), 0);
     assert_non_null(mkdtemp(folder));
     assert_int_equal(nftw("shaders", copy_one, 8, FTW_PHYS), 0);
-    const struct pel_renderer_options options = { .device = "software",
+    const struct pel_renderer_options options = { .device = test_device(),
+                                                  .shading = "fragment",
                                                   .shader_dir = folder };
     struct pel_fault fault = { 0 };
     assert_int_equal(pel_renderer_create(&options, &renderer, &fault), PEL_OK);

@@ -512,13 +512,11 @@ static void waves_let_low_light_in(void **state)
     assert_true(lit > 0.0);
 }
 
-/* With a device as argument, on that one. */
-int main(int argc, char **argv)
+int main(void)
 {
     struct pel_context context;
     struct pel_fault fault;
-    if (pel_context_init(&context, argc > 1 ? argv[1] : "software", true,
-                         &fault)) {
+    if (pel_context_init(&context, test_device(), true, &fault)) {
         fprintf(stderr, "%s\n", fault.message);
         return 1;
     }

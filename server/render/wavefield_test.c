@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "render/context.h"
+#include "render/render_testkit.h"
 
 #define N PEL_CASCADE_N
 #define TEXELS (PEL_CASCADES * PEL_CASCADE_MODES)
@@ -105,7 +106,8 @@ static void fields_are_the_reference(void **state)
             printf("Hs %.2f m, %.9g s: displacement within %.4f mm, slopes "
                    "%.1e, fold %.1e\n",
                    hs, times[t], 1e3 * shift, slope, fold);
-            assert_true(shift < 1e-6 * hs);
+            /* A GPU's sines are less exact: 1.04e-6 on an NVIDIA H200. */
+            assert_true(shift < (context.software ? 1e-6 : 2e-6) * hs);
             assert_true(slope < 2e-6 && fold < 2e-5);
             free(d);
             free(h);
@@ -213,7 +215,7 @@ static int set_up(void **state)
 {
     (void)state;
     struct pel_fault fault;
-    return pel_context_init(&context, "software", true, &fault);
+    return pel_context_init(&context, test_device(), true, &fault);
 }
 
 static int tear_down(void **state)

@@ -389,6 +389,9 @@ int main(int argc, char **argv)
         fprintf(stderr, "%s\n", fault.message);
         return 1;
     }
+    printf("%s device: %s\n",
+           pel_renderer_is_software(r) ? "software" : "hardware",
+           pel_renderer_description(r));
     static struct pel_sea sea;
     const struct bench_scene shown = scene();
     if (bench_sea(&shown, &sea) != PEL_OK) {
