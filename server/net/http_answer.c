@@ -118,14 +118,11 @@ enum MHD_Result pel_http_send(struct client *client,
     if (pel_http_write_later(client, answer)) {
         return MHD_YES;
     }
-    if (answer->owned) {
-        response = MHD_create_response_from_buffer(answer->size, answer->owned,
-                                                   MHD_RESPMEM_MUST_FREE);
-        answer->owned = NULL;
-    } else {
-        response = MHD_create_response_from_buffer(
-            answer->size, (void *)answer->body, MHD_RESPMEM_PERSISTENT);
-    }
+    const struct MHD_IoVec all = { answer->owned ? answer->owned : answer->body,
+                                   answer->size };
+    response =
+        pel_http_pieces(&all, 1, answer->owned ? free : NULL, answer->owned);
+    answer->owned = NULL;
     add(response, "Cache-Control",
         answer->cache  ? answer->cache
         : answer->page ? "no-cache"

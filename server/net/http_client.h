@@ -172,6 +172,13 @@ void pel_http_forget_later(struct client *client,
 enum MHD_Result pel_http_send(struct client *client,
                               struct pel_http_answer *answer);
 
+/* A response of pieces of memory, which drop(what) frees in the end, on any
+ * thread; NULL: no memory, and they are freed. http_pieces.c */
+struct MHD_Response *pel_http_pieces(const struct MHD_IoVec *pieces,
+                                     size_t count,
+                                     MHD_ContentReaderFreeCallback drop,
+                                     void *what);
+
 /* The same with a response of the library's, which it takes over. */
 enum MHD_Result pel_http_queue(struct client *client, int status,
                                struct MHD_Response *response);

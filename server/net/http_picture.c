@@ -68,10 +68,9 @@ static void on_frame(void *user, enum pel_err err,
     if (err != PEL_OK) {
         pel_http_send_fault(client, 0, fault);
     } else {
+        const struct MHD_IoVec all = { frame->data, frame->size };
         struct MHD_Response *response =
-            MHD_create_response_from_buffer_with_free_callback_cls(
-                frame->size, (void *)frame->data, unref_frame,
-                pel_frame_ref(frame));
+            pel_http_pieces(&all, 1, unref_frame, pel_frame_ref(frame));
         add_to_response(response, "Content-Type",
                         pel_format_of(frame->format)->mime);
         add_to_response(response, "Cache-Control", "no-store");
@@ -231,12 +230,7 @@ static struct MHD_Response *make_parts(struct pel_frame *const *pictures,
             (struct MHD_IoVec){ pictures[i]->data, pictures[i]->size };
     }
     pieces[2 * count] = (struct MHD_IoVec){ end, sizeof end - 1 };
-    struct MHD_Response *response = MHD_create_response_from_iovec(
-        pieces, (unsigned)(2 * count + 1), free_parts, parts);
-    if (!response) {
-        free_parts(parts);
-    }
-    return response;
+    return pel_http_pieces(pieces, 2 * count + 1, free_parts, parts);
 }
 
 static size_t size_of(struct pel_frame *const *pictures, size_t count)
